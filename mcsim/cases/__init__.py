@@ -1,0 +1,26 @@
+"""Cases: one point of a scenario becomes a problem that an engine can simulate.
+
+All cases look the same from outside: see ``Problem``.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mcsim.cases.problem import History, Problem
+from mcsim.scenario import PlanarScenario
+
+__all__ = ["History", "Problem", "problem_of"]
+
+
+def problem_of(model: PlanarScenario, folder: Path) -> Problem:
+    """The problem of a validated point; relative files are looked up in ``folder``.
+
+    Raises
+    ------
+    InputError
+        The track cannot be built, or is shorter than one sampling interval.
+    """
+    from mcsim.cases.planar import PlanarProblem
+
+    return PlanarProblem.from_model(model, folder)

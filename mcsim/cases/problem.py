@@ -1,0 +1,51 @@
+"""What the engine knows of a case: error names, a simulation, the method's own errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class History:
+    """Reconstructed tracks and their errors over time.
+
+    time (n + 1,) in s from the first sample; tracks (2, n + 1, r) along, across in m;
+    truth (2, n + 1); errors (e, n + 1, r) in SI units, NaN where undefined.
+    """
+
+    time: Array
+    tracks: Array
+    truth: Array
+    errors: Array
+
+
+class Problem(Protocol):
+    """One simulated system, ready to run."""
+
+    @property
+    def error_names(self) -> tuple[str, ...]:
+        """Names of the errors, in the order of every array."""
+
+    @property
+    def missing(self) -> Mapping[str, str]:
+        """Errors that are undefined here, with the reason."""
+
+    @property
+    def n_samples(self) -> int:
+        """Samples integrated per realization."""
+
+    def simulate(self, key: int, first: int, count: int) -> Array:
+        """Errors (e, count) of realizations first ... first + count - 1, NaN if undefined."""
+
+    def method_errors(self) -> Array:
+        """Errors (e,) of the undisturbed reconstruction."""
+
+    def history(self, key: int, first: int, count: int) -> History:
+        """The same realizations over time."""

@@ -1,0 +1,140 @@
+"""The realizations of one point: to a count, or until the intervals are narrow enough."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.cases import Problem
+from mcsim.scenario.model import MonteCarlo
+from mcsim.statistics import ESTIMATED, Estimates, estimate
+
+Array = NDArray[np.float64]
+
+#: Realizations simulated at once; small enough for prompt progress and interruption.
+CHUNK = 4096
+_FIRST_COUNT = 1000
+_RMS = ESTIMATED.index("rms")
+
+
+@dataclass(frozen=True)
+class PointResult:
+    """Estimates of one point, its method errors (e,), and remarks per error.
+
+    Everything in SI units; ``notes`` maps an error's name to why a value is missing
+    or degenerate.
+    """
+
+    estimates: Estimates
+    method: Array
+    realizations: int
+    notes: dict[str, str]
+
+
+def random_key(seed: int, *parts: str) -> int:
+    """A 64-bit key from the seed and what distinguishes a use of it."""
+    text = "\x1f".join([str(seed), *parts])
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little")
+
+
+def point_key(settings: MonteCarlo, identities: Iterable[str]) -> int:
+    """The key of a point's random numbers: the seed and the point's own coordinates."""
+    own = () if settings.common_random_numbers else sorted(identities)
+    return random_key(settings.seed, "realizations", *own)
+
+
+def run_point(
+    problem: Problem,
+    settings: MonteCarlo,
+    key: int,
+    threads: int = 1,
+    progress: Callable[[int], None] = lambda done: None,
+) -> PointResult:
+    """Simulate one point and estimate its statistics.
+
+    ``threads`` share the realizations; the result does not depend on it.
+    ``progress`` is called with the number of realizations just finished.
+    """
+    bootstrap_key = random_key(settings.seed, "bootstrap")
+    errors = np.empty((len(problem.error_names), 0))
+    count = settings.realizations or min(_FIRST_COUNT, settings.max_realizations)
+    notes = dict(problem.missing)
+    while True:
+        errors = _extend(errors, problem, key, count, threads, progress)
+        estimates = estimate(errors, settings.confidence, settings.resamples, bootstrap_key)
+        if settings.precision is None:
+            break
+        wider = _widest(estimates) / settings.precision
+        if wider <= 1.0:
+            break
+        if count >= settings.max_realizations:
+            for i, name in enumerate(problem.error_names):
+                if _relative_width(estimates)[i] > settings.precision:
+                    notes.setdefault(name, f"precision not reached with {count} realizations")
+            break
+        # Widths shrink with the root of the count; a tenth more spares a further round.
+        wanted = int(np.ceil(1.1 * count * wider**2))
+        count = min(max(wanted, 2 * count), settings.max_realizations)
+    _note_degenerate(problem, estimates, count, notes)
+    return PointResult(estimates, problem.method_errors(), count, notes)
+
+
+def _extend(
+    errors: Array,
+    problem: Problem,
+    key: int,
+    count: int,
+    threads: int,
+    progress: Callable[[int], None],
+) -> Array:
+    """The errors of ``count`` realizations, of which ``errors`` holds the first ones."""
+    done = errors.shape[1]
+    result = np.empty((errors.shape[0], count))
+    result[:, :done] = errors
+    starts = range(done, count, CHUNK)
+
+    def simulate(start: int) -> None:
+        size = min(CHUNK, count - start)
+        result[:, start : start + size] = problem.simulate(key, start, size)
+        progress(size)
+
+    if threads == 1 or len(starts) == 1:
+        for start in starts:
+            simulate(start)
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            try:
+                for _ in pool.map(simulate, starts):
+                    pass
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+    return result
+
+
+def _relative_width(estimates: Estimates) -> Array:
+    """Half-width of each RMS interval relative to the RMS; zero where there is no scatter."""
+    value = estimates.value[:, _RMS]
+    half = 0.5 * (estimates.high[:, _RMS] - estimates.low[:, _RMS])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(value > 0.0, half / value, 0.0)
+
+
+def _widest(estimates: Estimates) -> float:
+    widths = _relative_width(estimates)
+    return float(np.nanmax(widths)) if np.any(np.isfinite(widths)) else 0.0
+
+
+def _note_degenerate(
+    problem: Problem, estimates: Estimates, count: int, notes: dict[str, str]
+) -> None:
+    for name, degenerate in zip(problem.error_names, estimates.degenerate, strict=True):
+        if count == 1:
+            notes.setdefault(name, "one realization: no scatter and no interval follow from it")
+        elif degenerate:
+            notes.setdefault(name, "all realizations are equal: nothing disturbs this error")

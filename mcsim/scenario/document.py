@@ -1,0 +1,190 @@
+"""Reading a scenario's text: YAML 1.2 into a plain tree that knows its line numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from mcsim.errors import InputError
+
+PathKey = tuple[str | int, ...]
+
+LARGEST_FILE = 1 << 20
+LARGEST_TREE = 100_000
+DEEPEST_TREE = 50
+
+
+@dataclass(frozen=True)
+class Document:
+    """A tree of dicts, lists and scalars, and where each of them was written."""
+
+    tree: dict[str, Any]
+    source: str
+    lines: Mapping[PathKey, int] = field(default_factory=dict)
+    overrides: Mapping[PathKey, str] = field(default_factory=dict)
+
+    def place(self, path: PathKey) -> str:
+        """``file:line`` (or the option) that set the value at ``path``, or its parent."""
+        for end in range(len(path), -1, -1):
+            if path[:end] in self.overrides:
+                return self.overrides[path[:end]]
+            if path[:end] in self.lines:
+                return f"{self.source}:{self.lines[path[:end]]}"
+        return self.source
+
+
+def read_document(path: Path) -> Document:
+    """Read a YAML file.
+
+    Raises
+    ------
+    InputError
+        Not a readable UTF-8 file, not YAML, not a mapping, or absurdly large.
+    """
+    if path.is_dir():
+        raise InputError(f"{path}: is a directory; name a scenario file")
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise InputError(f"{path}: larger than {LARGEST_FILE >> 20} MiB; not a scenario")
+        text = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: not UTF-8 text (byte {error.start}); save the file as UTF-8"
+        ) from None
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot be read ({reason})") from None
+    return parse_document(text, str(path))
+
+
+def parse_document(text: str, source: str = "scenario") -> Document:
+    """Parse YAML text; ``source`` is what messages call it.
+
+    Raises
+    ------
+    InputError
+        Not YAML, not a mapping, or absurdly large.
+    """
+    root = _load_yaml(text, source)
+    if root is None:
+        raise InputError(f"{source}: is empty; a scenario begins with `case: planar`")
+    if not isinstance(root, dict):
+        raise InputError(f"{source}: a scenario is a mapping that begins with `case: planar`")
+    lines: dict[PathKey, int] = {}
+    tree = _Plain(source, lines).convert(root, (), 1)
+    return Document(tree, source, lines)
+
+
+def parse_scalar(text: str, source: str) -> Any:
+    """The value of an override: YAML, so ``200 Hz``, ``3``, ``[1 m, 2 m]`` all work."""
+    return _Plain(source, {}).convert(_load_yaml(text, source), (), 1)
+
+
+def _load_yaml(text: str, source: str) -> Any:
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    try:
+        return YAML(typ="rt", pure=True).load(StringIO(text))
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = f"{source}:{mark.line + 1}" if mark is not None else source
+        problem = (error.problem or error.context or "not YAML").split("\n")[0].strip()
+        hint = ""
+        if "'\\t'" in problem:
+            problem, hint = "a tab where YAML wants blanks", "; indent with blanks"
+        elif "duplicate key" in problem:
+            hint = "; keep one of the two"
+        raise InputError(f"{place}: {problem}{hint}") from None
+    except (YAMLError, ValueError, RecursionError) as error:
+        first = (str(error) or type(error).__name__).split("\n")[0]
+        raise InputError(f"{source}: not YAML ({first})") from None
+
+
+class _Plain:
+    """Turns the reader's node types into plain ones and notes their lines."""
+
+    def __init__(self, source: str, lines: dict[PathKey, int]) -> None:
+        self.source = source
+        self.lines = lines
+        self.nodes = 0
+
+    def convert(self, node: Any, path: PathKey, line: int) -> Any:
+        self.nodes += 1
+        if self.nodes > LARGEST_TREE or len(path) > DEEPEST_TREE:
+            raise InputError(
+                f"{self.source}: expands to more than {LARGEST_TREE} values or "
+                f"{DEEPEST_TREE} levels (check its anchors and aliases)"
+            )
+        self.lines[path] = line
+        if isinstance(node, dict):
+            return self._mapping(node, path, line)
+        if isinstance(node, list):
+            return [
+                self.convert(item, (*path, i), _line_of(node, i, line))
+                for i, item in enumerate(node)
+            ]
+        if isinstance(node, bool) or node is None:
+            return node
+        for plain in (int, float, str):
+            if isinstance(node, plain):
+                return plain(node)
+        # Booleans that carry an anchor, dates, tagged values.
+        if type(node).__name__ == "ScalarBoolean":
+            return bool(node)
+        raise InputError(
+            f"{self.source}:{line}: {'.'.join(map(str, path))}: "
+            f"a plain text or number is needed here (write quotes around it)"
+        )
+
+    def _mapping(self, node: dict[Any, Any], path: PathKey, line: int) -> dict[str, Any]:
+        plain = {}
+        for key, item in node.items():
+            name = str(key)
+            plain[name] = self.convert(item, (*path, name), _line_of(node, key, line))
+        return plain
+
+
+def _line_of(node: Any, key: Any, default: int) -> int:
+    try:
+        position = node.lc.key(key) if isinstance(node, dict) else node.lc.item(key)
+        return int(position[0]) + 1
+    except (AttributeError, KeyError, TypeError, IndexError):
+        return default
+
+
+def get_path(tree: Any, path: PathKey) -> Any:
+    """The value at ``path``, or None where there is none."""
+    for key in path:
+        if isinstance(tree, dict):
+            tree = tree.get(key)
+        elif isinstance(tree, list) and isinstance(key, int) and key < len(tree):
+            tree = tree[key]
+        else:
+            return None
+    return tree
+
+
+def with_value(tree: Any, path: PathKey, value: Any) -> Any:
+    """A copy of ``tree`` with ``value`` at ``path``; only what changes is copied.
+
+    A sensor given by name alone (``accelerometer: LSM330DL``) becomes a block
+    when one of its quantities is set.
+    """
+    if not path:
+        return value
+    key, rest = path[0], path[1:]
+    if isinstance(tree, list) and isinstance(key, int):
+        if key >= len(tree):
+            raise InputError(f"there is no item {key}; the list has {len(tree)}")
+        return [with_value(item, rest, value) if i == key else item for i, item in enumerate(tree)]
+    if isinstance(tree, str):
+        tree = {"model": tree}
+    if not isinstance(tree, dict):
+        tree = {}
+    return {**tree, str(key): with_value(tree.get(str(key)), rest, value)}

@@ -1,0 +1,78 @@
+"""The dotted paths that a scenario has, with the kind of quantity at each."""
+
+from __future__ import annotations
+
+import difflib
+import types
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+
+from mcsim.scenario.document import PathKey
+from mcsim.scenario.fields import Quantity
+from mcsim.units import Kind
+
+#: Blocks and keys that describe the run, not the simulated system.
+NOT_SWEPT = ("case", "title", "outputs", "figure", "sweep")
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """A scalar of a scenario: its kind if it is a quantity, its choices if it has some."""
+
+    path: str
+    kind: Kind | None
+    choices: tuple[Any, ...] = ()
+
+
+def split_path(path: str) -> PathKey:
+    """``trajectory.points.1.0`` to keys; digits index lists."""
+    return tuple(int(key) if key.isdigit() else key for key in path.split("."))
+
+
+@cache
+def scalars(model: type[BaseModel]) -> dict[str, Scalar]:
+    """All scalar paths of a model; list indices are written ``*``."""
+    return {scalar.path: scalar for scalar in _walk(model, "")}
+
+
+def find_scalar(model: type[BaseModel], path: str) -> Scalar | None:
+    """The scalar at a path as a user writes it."""
+    pattern = ".".join("*" if isinstance(key, int) else key for key in split_path(path))
+    return scalars(model).get(pattern)
+
+
+def suggest(word: str, known: Any) -> str:
+    """``; did you mean "…"?`` or nothing."""
+    close = difflib.get_close_matches(word, list(known), n=1, cutoff=0.6)
+    return f'; did you mean "{close[0]}"?' if close else ""
+
+
+def _walk(annotation: Any, path: str, metadata: tuple[Any, ...] = ()) -> Iterator[Scalar]:
+    origin = get_origin(annotation)
+    if origin is Annotated:
+        inner, *extra = get_args(annotation)
+        yield from _walk(inner, path, (*extra, *metadata))
+    elif origin in (Union, types.UnionType):
+        # `X | None` is an optional X; several blocks are the shapes of a track.
+        for member in get_args(annotation):
+            if member is not type(None):
+                yield from _walk(member, path, metadata)
+    elif origin is tuple:
+        yield from _walk(get_args(annotation)[0], f"{path}.*")
+    elif origin is Literal:
+        yield Scalar(path, None, get_args(annotation))
+    elif isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        if path in ("sensors.accelerometer", "sensors.gyroscope"):
+            yield Scalar(path, None)
+        for name, field in annotation.model_fields.items():
+            if path == "" and name in NOT_SWEPT:
+                continue
+            below = f"{path}.{name}" if path else name
+            yield from _walk(field.annotation, below, tuple(field.metadata))
+    else:
+        quantity = next((m for m in metadata if isinstance(m, Quantity)), None)
+        yield Scalar(path, quantity.details if quantity else None)

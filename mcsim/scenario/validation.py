@@ -1,0 +1,190 @@
+"""From a plain tree to a validated model, with messages a user can act on."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic_core import ErrorDetails
+
+from mcsim.errors import InputError
+from mcsim.scenario.document import Document, PathKey, get_path
+from mcsim.scenario.fields import Quantity
+from mcsim.scenario.paths import suggest
+
+#: Messages beyond this number help nobody.
+_MOST = 10
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def validate(document: Document, model: type[Model]) -> Model:
+    """The validated model of a document's tree.
+
+    Raises
+    ------
+    InputError
+        One line per problem: place, field, what is wrong, what would be right.
+    """
+    try:
+        return model.model_validate(document.tree)
+    except ValidationError as error:
+        raise InputError(describe(error, document, model)) from None
+
+
+def describe(
+    error: ValidationError, document: Document, model: type[BaseModel], prefix: PathKey = ()
+) -> str:
+    """The problems of a failed validation, one per line."""
+    messages: list[str] = []
+    for details in error.errors():
+        path = (*prefix, *_plain_path(details["loc"], get_path(document.tree, prefix)))
+        line = f"{document.place(path)}: {'.'.join(map(str, path)) or 'scenario'}: "
+        line += _explain(details, path, model)
+        if line not in messages:
+            messages.append(line)
+    shown = messages[:_MOST]
+    if len(messages) > _MOST:
+        shown.append(f"… and {len(messages) - _MOST} more")
+    return "\n".join(shown)
+
+
+def _plain_path(loc: tuple[str | int, ...], tree: Any) -> PathKey:
+    """The location without the names of union members that pydantic puts into it."""
+    path: list[str | int] = []
+    for i, key in enumerate(loc):
+        is_last = i == len(loc) - 1
+        known = isinstance(tree, dict) and key in tree
+        in_list = isinstance(tree, list | tuple) and isinstance(key, int)
+        if known or in_list:
+            path.append(key)
+            tree = tree[key] if known or (in_list and int(key) < len(tree)) else None
+        elif is_last and isinstance(key, str) and key.isidentifier() and isinstance(tree, dict):
+            path.append("from" if key == "from_" else key)
+    return tuple(path)
+
+
+def _explain(details: ErrorDetails, path: PathKey, model: type[BaseModel]) -> str:
+    kind = details["type"]
+    context = details.get("ctx", {})
+    given = details["input"]
+    name = str(path[-1]) if path else ""
+    if kind == "mcsim":
+        return str(context["message"])
+    if kind == "missing":
+        return "is missing" + _example(details, model)
+    if kind == "extra_forbidden":
+        known = _siblings(details["loc"], model)
+        return f'unknown key "{name}"{suggest(name, known)} (known here: {", ".join(known)})'
+    if kind in ("literal_error", "union_tag_invalid"):
+        choices = str(context.get("expected") or context.get("expected_tags", ""))
+        words = [word.strip(" '\"") for word in choices.replace(" or ", ", ").split(",")]
+        tag = given.get("shape") if isinstance(given, dict) else given
+        return f'"{tag}" is not one of {", ".join(words)}{suggest(str(tag), words)}'
+    if kind == "union_tag_not_found":
+        return "`shape` is missing; write for example `shape: half_cosine`"
+    bounds = {
+        "greater_than": ("greater than", "gt"),
+        "greater_than_equal": ("at least", "ge"),
+        "less_than": ("less than", "lt"),
+        "less_than_equal": ("at most", "le"),
+    }
+    if kind in bounds:
+        words_, key = bounds[kind]
+        return f'"{given}" must be {words_} {_bound(details, context[key], model)}'
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return f"a block of `key: value` lines is needed here, not {_show(given)}"
+    if kind.startswith("int_"):
+        return f"a whole number is needed here, not {_show(given)}"
+    if kind.startswith("bool_"):
+        return f"true or false is needed here, not {_show(given)}"
+    if kind == "string_type":
+        return f"text is needed here, not {_show(given)}"
+    if kind in ("tuple_type", "list_type"):
+        return f"a list is needed here, not {_show(given)}"
+    if kind in ("too_short", "too_long"):
+        wanted = context.get("min_length", context.get("max_length"))
+        least = "at least" if kind == "too_short" else "at most"
+        return f"{least} {wanted} items are needed, not {context.get('actual_length')}"
+    return details["msg"]
+
+
+def _show(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "…"
+
+
+def _field(loc: tuple[str | int, ...], model: Any) -> Any:
+    """The annotation metadata at a pydantic location, or None."""
+    from typing import Annotated, get_args, get_origin
+
+    def models(annotation: Any) -> list[type[BaseModel]]:
+        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+            return [annotation]
+        if get_origin(annotation) is Annotated:
+            return models(get_args(annotation)[0])
+        return [m for a in get_args(annotation) for m in models(a)]
+
+    current = models(model)
+    found = None
+    for key in loc:
+        tagged = [
+            m
+            for m in current
+            if "shape" in m.model_fields
+            and key in get_args(m.model_fields["shape"].annotation)
+        ]
+        if tagged:
+            current = tagged
+            continue
+        for candidate in current:
+            if key in candidate.model_fields:
+                found = candidate.model_fields[str(key)]
+                current = models(found.annotation)
+                break
+    return found, current
+
+
+def _siblings(loc: tuple[str | int, ...], model: type[BaseModel]) -> list[str]:
+    _, current = _field(loc[:-1], model)
+    names: list[str] = []
+    for candidate in current:
+        names += [f.alias or n for n, f in candidate.model_fields.items()]
+    if not loc[:-1]:
+        names.append("sweep")
+    return list(dict.fromkeys(names))
+
+
+def _quantity(found: Any) -> Quantity | None:
+    from typing import Annotated, get_args, get_origin
+
+    if found is None:
+        return None
+    candidates = list(found.metadata)
+    for annotation in (found.annotation, *get_args(found.annotation)):
+        if get_origin(annotation) is Annotated:
+            candidates += get_args(annotation)[1:]
+    return next((m for m in candidates if isinstance(m, Quantity)), None)
+
+
+def _example(details: ErrorDetails, model: type[BaseModel]) -> str:
+    found, _ = _field(details["loc"], model)
+    quantity = _quantity(found)
+    if quantity is not None:
+        return f"; write for example `{details['loc'][-1]}: {quantity.details.example}`"
+    return ""
+
+
+def _bound(details: ErrorDetails, bound: Any, model: type[BaseModel]) -> str:
+    found, _ = _field(details["loc"], model)
+    quantity = _quantity(found)
+    if quantity is None or quantity.kind == "confidence":
+        return f"{bound:g}" if isinstance(bound, float) else str(bound)
+    return f"{bound:g} {quantity.details.si_unit}"
+
+
+def adapter_schema(model: Any) -> dict[str, Any]:
+    """Pydantic's JSON schema with references as draft 7 writes them."""
+    return TypeAdapter(model).json_schema(
+        mode="validation", by_alias=True, ref_template="#/definitions/{model}"
+    )

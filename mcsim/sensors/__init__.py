@@ -1,0 +1,1 @@
+"""Sensors: from dense truth to samples, and the parameters of their errors."""

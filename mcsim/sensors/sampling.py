@@ -1,0 +1,111 @@
+"""From dense truth to the samples that an ideal sensor delivers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: Rate of the dense truth that decimation starts from (Hz).
+DENSE_RATE = 1000.0
+#: Half-length of the FIR filter, in sensor samples.
+FIR_HALF_LENGTH = 10
+#: How far the IIR filter's response is followed, in sensor samples.
+IIR_HALF_LENGTH = 60
+_IIR_ORDER, _IIR_RIPPLE_DB, _IIR_CUTOFF = 8, 0.05, 0.8
+#: Least number of dense steps in an averaged interval.
+_FEWEST_AVERAGED = 8
+
+
+def oversampling(rate: float) -> int:
+    """Dense steps per sensor sample: the dense step nearest 1 ms that the rate divides."""
+    return max(1, round(DENSE_RATE / rate))
+
+
+def sample(
+    signals: Callable[[Array], Array], start: float, rate: float, count: int, method: str
+) -> Array:
+    """Sample ideal signals at ``start + i / rate``, i = 0 ... count.
+
+    Parameters
+    ----------
+    signals : callable
+        Times (k,) in s to channels (c, k); defined beyond the track as well, where
+        it goes straight on: the filters look further than the leads reach.
+    start : float
+        Time of sample 0 (s).
+    rate : float
+        Sensor rate (Hz).
+    count : int
+        Number of the last sample.
+    method : {"fir", "iir", "none", "average"}
+        ``fir``: zero-phase low-pass of ten sensor samples half-length (Hamming window,
+        cut-off at half the sensor rate); ``iir``: Chebyshev I of 8th order, forward
+        and backward; ``none``: the momentary value; ``average``: the mean over the
+        interval that ends at the sample.  At rates where the dense truth is no
+        denser than the samples, the filters have nothing to decimate.
+
+    Returns
+    -------
+    ndarray (c, count + 1)
+    """
+    factor = oversampling(rate)
+    if method == "average":
+        return _average(signals, start, rate, count, max(factor, _FEWEST_AVERAGED))
+    if method == "none" or factor == 1:
+        return signals(start + np.arange(count + 1) / rate)
+    if method == "fir":
+        return _fir(signals, start, rate, count, factor)
+    return _iir(signals, start, rate, count, factor)
+
+
+def _dense(
+    signals: Callable[[Array], Array],
+    start: float,
+    rate: float,
+    count: int,
+    factor: int,
+    margin: int,
+) -> Array:
+    """Dense signals from ``margin`` sensor samples before the first to as many after the last."""
+    steps = np.arange(-margin * factor, (count + margin) * factor + 1)
+    return signals(start + steps / (rate * factor))
+
+
+def _fir(
+    signals: Callable[[Array], Array], start: float, rate: float, count: int, factor: int
+) -> Array:
+    from scipy.signal import firwin, upfirdn
+
+    taps = firwin(2 * FIR_HALF_LENGTH * factor + 1, 1.0 / factor, window="hamming")
+    dense = _dense(signals, start, rate, count, factor, FIR_HALF_LENGTH)
+    # Full convolution, decimated: the window is centred on sample i at output i + 2 margins / 2.
+    filtered = upfirdn(taps, dense, up=1, down=factor, axis=-1)
+    return np.ascontiguousarray(filtered[:, 2 * FIR_HALF_LENGTH : 2 * FIR_HALF_LENGTH + count + 1])
+
+
+def _iir(
+    signals: Callable[[Array], Array], start: float, rate: float, count: int, factor: int
+) -> Array:
+    from scipy.signal import cheby1, sosfiltfilt
+
+    sections = cheby1(_IIR_ORDER, _IIR_RIPPLE_DB, _IIR_CUTOFF / factor, output="sos")
+    dense = _dense(signals, start, rate, count, factor, IIR_HALF_LENGTH)
+    filtered = sosfiltfilt(sections, dense, axis=-1, padtype=None)
+    # An even order ripples below 1: a constant must stay one.
+    filtered = filtered * 10.0 ** (2.0 * _IIR_RIPPLE_DB / 20.0)
+    first = IIR_HALF_LENGTH * factor
+    return np.ascontiguousarray(filtered[:, first : first + count * factor + 1 : factor])
+
+
+def _average(
+    signals: Callable[[Array], Array], start: float, rate: float, count: int, factor: int
+) -> Array:
+    dense = _dense(signals, start, rate, count, factor, 1)
+    weights = np.full(factor + 1, 1.0 / factor)
+    weights[[0, -1]] *= 0.5
+    windows = np.lib.stride_tricks.sliding_window_view(dense, factor + 1, axis=-1)
+    return np.ascontiguousarray(windows[:, : (count + 1) * factor : factor] @ weights)

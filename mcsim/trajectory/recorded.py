@@ -1,0 +1,294 @@
+"""A recorded drive from a CSV file, smoothed into a truth that is consistent in itself.
+
+Positions (or velocities) and headings carry measurement noise and repeat between
+fixes; a truth must be smooth.  Cubic smoothing splines over time make it so: the
+accelerations and yaw rate of the truth are the splines' own derivatives, so that
+the undisturbed reconstruction returns to the smoothed track, not to the raw fixes.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_smoothing_spline
+
+from mcsim.errors import InputError, UnitError
+from mcsim.scenario.model import Columns, Recorded
+from mcsim.trajectory.curves import Array
+from mcsim.trajectory.drive import Motion
+from mcsim.units import KINDS, factor
+
+_KIND_OF = {
+    "time": "time",
+    "x": "length",
+    "y": "length",
+    "latitude": "angle",
+    "longitude": "angle",
+    "speed": "speed",
+    "course": "angle",
+    "heading": "angle",
+}
+_FEWEST_ROWS = 8
+#: Fixes that repeat the last position are dropped, but one is kept this often (s).
+_REPEATED_FIX = 0.5
+#: Below this speed the direction of movement says nothing (m/s).
+_STANDSTILL = 0.1
+#: WGS 84 ellipsoid.
+_SEMI_MAJOR, _FLATTENING = 6378137.0, 1 / 298.257223563
+
+
+@dataclass(frozen=True)
+class Record:
+    """Columns of the file in SI units; absent ones are None. All arrays have n rows."""
+
+    time: Array
+    x: Array | None
+    y: Array | None
+    velocity_x: Array | None
+    velocity_y: Array | None
+    heading: Array | None
+
+
+class RecordedManoeuvre:
+    """The smoothed drive, turned so that ``along`` is the initial direction of movement."""
+
+    jumps: tuple[float, ...] = ()
+
+    def __init__(self, record: Record, smoothing: float) -> None:
+        self.duration = float(record.time[-1])
+        if record.x is not None and record.y is not None:
+            keep = fresh_fixes(record.time, record.x, record.y)
+            fixes = record.time[keep]
+            x = _smooth(fixes, record.x[keep], smoothing)
+            y = _smooth(fixes, record.y[keep], smoothing)
+            self._velocity = x.derivative(), y.derivative()
+            self._position = x, y
+        else:
+            assert record.velocity_x is not None and record.velocity_y is not None
+            self._velocity = (
+                _smooth(record.time, record.velocity_x, smoothing),
+                _smooth(record.time, record.velocity_y, smoothing),
+            )
+            self._position = tuple(v.antiderivative() for v in self._velocity)
+        self._acceleration = tuple(v.derivative() for v in self._velocity)
+        self._heading = self._heading_spline(record, smoothing)
+        self._yaw_rate = self._heading.derivative()
+        self._set_frame()
+        ends = np.array([self.duration])
+        vx, vy = (float(v(ends)[0]) for v in self._velocity)
+        self.stops = math.hypot(vx, vy) < _STANDSTILL
+
+    def _heading_spline(self, record: Record, smoothing: float):  # type: ignore[no-untyped-def]
+        if record.heading is not None:
+            return _smooth(record.time, np.unwrap(record.heading), smoothing)
+        # The course, trusted where the vehicle moves and bridged where it stands.
+        step = min(smoothing / 4.0, self.duration / 16.0)
+        t = np.linspace(0.0, self.duration, math.ceil(self.duration / step) + 1)
+        vx, vy = (v(t) for v in self._velocity)
+        speed = np.hypot(vx, vy)
+        weight = np.clip(speed / 2.0, 1e-3, 1.0) ** 2
+        course = np.arctan2(vy, vx)
+        moving = speed > _STANDSTILL
+        if not np.any(moving):
+            raise InputError("trajectory.file: the vehicle never moves in this record")
+        unwrapped = np.interp(t, t[moving], np.unwrap(course[moving]))
+        return _smooth(t, unwrapped, smoothing / 2.0, weight)
+
+    def _set_frame(self) -> None:
+        """Origin and direction of the road frame: where and whither the drive begins."""
+        t = np.linspace(0.0, self.duration, 4096)
+        vx, vy = (v(t) for v in self._velocity)
+        first = int(np.argmax(np.hypot(vx, vy) > _STANDSTILL))
+        self._turn = math.atan2(float(vy[first]), float(vx[first]))
+        zero = np.array([0.0])
+        self._origin = tuple(float(p(zero)[0]) for p in self._position)
+
+    def motion(self, t: Array) -> Motion:
+        c, s = math.cos(self._turn), math.sin(self._turn)
+        x, y = (p(t) - o for p, o in zip(self._position, self._origin, strict=True))
+        vx, vy = (v(t) for v in self._velocity)
+        ax, ay = (a(t) for a in self._acceleration)
+        heading = self._heading(t)
+        ch, sh = np.cos(heading), np.sin(heading)
+        return Motion(
+            along=c * x + s * y,
+            across=c * y - s * x,
+            velocity_along=c * vx + s * vy,
+            velocity_across=c * vy - s * vx,
+            heading=heading - self._turn,
+            forward=ch * ax + sh * ay,
+            left=ch * ay - sh * ax,
+            yaw_rate=self._yaw_rate(t),
+        )
+
+
+def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
+    """The manoeuvre of a recorded track.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, lacks a column, holds text, runs backwards, or is too short.
+    """
+    path = folder / shape.file
+    record = read_record(path, shape.columns, shape.angles == "compass")
+    t = record.time - record.time[0]
+    keep = t >= shape.start
+    if shape.duration is not None:
+        keep &= t <= shape.start + shape.duration
+    if np.count_nonzero(keep) < _FEWEST_ROWS:
+        raise InputError(
+            f"{path}: {np.count_nonzero(keep)} rows between `start` and the end of `duration`; "
+            f"at least {_FEWEST_ROWS} are needed (the record lasts {t[-1]:.6g} s)"
+        )
+
+    def cut(values: Array | None) -> Array | None:
+        return None if values is None else values[keep]
+
+    t = t[keep]
+    manoeuvre = RecordedManoeuvre(
+        Record(
+            t - t[0],
+            cut(record.x),
+            cut(record.y),
+            cut(record.velocity_x),
+            cut(record.velocity_y),
+            cut(record.heading),
+        ),
+        shape.smoothing,
+    )
+    return manoeuvre
+
+
+def read_record(path: Path, columns: Columns, compass: bool) -> Record:
+    """Read and convert the columns of a CSV file.
+
+    Raises
+    ------
+    InputError
+        See ``load_drive``.
+    """
+    import pandas as pd
+
+    try:
+        table = pd.read_csv(path, skipinitialspace=True)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file (trajectory.file)") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not UTF-8 text (trajectory.file)") from None
+    except (OSError, ValueError) as error:  # parser errors are ValueErrors
+        raise InputError(f"{path}: not a CSV table ({error})") from None
+    values = {
+        role: _column(table, path, role, spec)
+        for role, spec in columns.model_dump().items()
+        if spec is not None
+    }
+    time = values["time"]
+    if len(time) < _FEWEST_ROWS:
+        raise InputError(f"{path}: {len(time)} rows; at least {_FEWEST_ROWS} are needed")
+    time, values = _in_order(path, time, values)
+    x, y = _position(values)
+    turn = (lambda a: np.pi / 2.0 - a) if compass else (lambda a: a)
+    velocity_x = velocity_y = None
+    if "course" in values:
+        course = turn(values["course"])
+        velocity_x = values["speed"] * np.cos(course)
+        velocity_y = values["speed"] * np.sin(course)
+    heading = turn(values["heading"]) if "heading" in values else None
+    return Record(time, x, y, velocity_x, velocity_y, heading)
+
+
+def fresh_fixes(time: Array, x: Array, y: Array) -> NDArray[np.bool_]:
+    """Rows whose position is news: a receiver repeats its last fix between updates."""
+    keep = np.zeros(len(time), bool)
+    last = -1
+    for i in range(len(time)):
+        moved = last < 0 or x[i] != x[last] or y[i] != y[last]
+        if moved or time[i] - time[last] >= _REPEATED_FIX:
+            keep[i] = True
+            last = i
+    keep[-1] = True
+    return keep
+
+
+def _column(table, path: Path, role: str, spec: str) -> Array:  # type: ignore[no-untyped-def]
+    import pandas as pd
+
+    name, separator, unit = spec.rpartition(" in ")
+    if not separator:
+        example = KINDS[_KIND_OF[role]].example.split()[1]
+        raise InputError(
+            f'trajectory.columns.{role}: "{spec}" has no unit; write for example "{spec} in {example}"'
+        )
+    try:
+        scale = factor(unit.strip(), KINDS[_KIND_OF[role]], spec)
+    except UnitError as error:
+        raise InputError(f"trajectory.columns.{role}: {error}") from None
+    name = name.strip()
+    if name not in table.columns:
+        close = difflib.get_close_matches(name, list(map(str, table.columns)), n=1)
+        hint = f'; did you mean "{close[0]}"?' if close else ""
+        raise InputError(
+            f'{path}: no column "{name}" for {role}{hint} '
+            f"(columns: {', '.join(map(str, table.columns))})"
+        )
+    numbers = pd.to_numeric(table[name], errors="coerce").to_numpy(float)
+    bad = ~np.isfinite(numbers)
+    if np.any(bad):
+        row = int(np.argmax(bad))
+        raise InputError(
+            f'{path}:{row + 2}: column "{name}" holds "{table[name].iloc[row]}", '
+            "where a finite number is needed"
+        )
+    return numbers * scale
+
+
+def _in_order(
+    path: Path, time: Array, values: dict[str, Array]
+) -> tuple[Array, dict[str, Array]]:
+    """Drop rows that repeat a time stamp; refuse stamps that run backwards."""
+    steps = np.diff(time)
+    if np.any(steps < 0.0):
+        row = int(np.argmax(steps < 0.0)) + 1
+        raise InputError(f"{path}:{row + 2}: the time runs backwards by {-steps[row - 1]:.6g} s")
+    keep = np.concatenate([[True], steps > 0.0])
+    return time[keep], {role: column[keep] for role, column in values.items()}
+
+
+def _position(values: dict[str, Array]) -> tuple[Array | None, Array | None]:
+    if "x" in values:
+        return values["x"], values["y"]
+    if "latitude" in values:
+        return local_position(values["latitude"], values["longitude"])
+    return None, None
+
+
+def local_position(latitude: Array, longitude: Array) -> tuple[Array, Array]:
+    """East and north (m) from the first fix, on the WGS 84 ellipsoid's tangent plane.
+
+    Uses the radii of curvature at the mean latitude: 1 cm over a few kilometres.
+    """
+    middle = float(np.mean(latitude))
+    e2 = _FLATTENING * (2.0 - _FLATTENING)
+    w = math.sqrt(1.0 - e2 * math.sin(middle) ** 2)
+    prime_vertical = _SEMI_MAJOR / w
+    meridian = _SEMI_MAJOR * (1.0 - e2) / w**3
+    east = prime_vertical * math.cos(middle) * (longitude - longitude[0])
+    return east, meridian * (latitude - latitude[0])
+
+
+def _smooth(t: Array, y: Array, time_constant: float, weight: Array | None = None):  # type: ignore[no-untyped-def]
+    """Smoothing spline whose transfer function is 1 / (1 + (omega tau)^4).
+
+    Minimises ``rho integral (y - f)^2 + lam integral f''^2`` with rho rows per
+    second, so ``lam = rho tau^4``.
+    """
+    density = (len(t) - 1) / (t[-1] - t[0])
+    if len(t) < 5:
+        raise InputError("trajectory.file: fewer than 5 distinct positions; too few for a track")
+    return make_smoothing_spline(t, y, w=weight, lam=density * time_constant**4)

@@ -1,0 +1,292 @@
+"""The closed table of units: text with a unit in, SI floats out, and back.
+
+General unit libraries misread the notation of inertial sensors (``mg`` as
+milligram, ``°/√h`` as ``°/h``), so the units that mcsim knows are listed here,
+each with the one meaning that it has in a sensor data sheet.
+
+Noise has two conventions and two kinds of quantity:
+
+* a *noise density* is one-sided, as data sheets print it: one sample at rate fs
+  has the variance ``ND^2 fs / 2``;
+* a *random walk* coefficient (IEEE Std 952, Allan N) belongs to a two-sided
+  density: one sample has the variance ``N^2 fs``; so ``ND = √2 N``.
+
+``density_from_random_walk`` is the only place where one becomes the other.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mcsim.errors import UnitError
+
+STANDARD_GRAVITY = 9.80665  # m/s^2, CGPM 1901
+
+_DEG = math.pi / 180.0
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity: its SI unit and the units it may be written in."""
+
+    name: str
+    article: str
+    si_unit: str
+    factors: Mapping[str, float]
+    example: str
+
+    def __str__(self) -> str:
+        return f"{self.article} {self.name}"
+
+
+def _per(factors: Mapping[str, float], divisors: Mapping[str, float]) -> dict[str, float]:
+    return {f"{u}/{d}": f / g for u, f in factors.items() for d, g in divisors.items()}
+
+
+_LENGTH = {"m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6}
+_TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "min": 60.0, "h": 3600.0}
+_ANGLE = {"°": _DEG, "rad": 1.0, "mrad": 1e-3, "µrad": 1e-6}
+_FREQUENCY = {"Hz": 1.0, "kHz": 1e3}
+_SPEED = {"m/s": 1.0, "km/h": 1 / 3.6, "mm/s": 1e-3, "cm/s": 1e-2, "mph": 0.44704}
+_ACCELERATION = {
+    "m/s²": 1.0,
+    "mm/s²": 1e-3,
+    "cm/s²": 1e-2,
+    "g": STANDARD_GRAVITY,
+    "mg": STANDARD_GRAVITY * 1e-3,
+    "µg": STANDARD_GRAVITY * 1e-6,
+}
+_RATE = {
+    "°/s": _DEG,
+    "°/min": _DEG / 60.0,
+    "°/h": _DEG / 3600.0,
+    "rad/s": 1.0,
+    "mrad/s": 1e-3,
+    "m°/s": _DEG * 1e-3,
+}
+_ROOT_HERTZ = {"√Hz": 1.0}
+_ROOT_TIME = {"√s": 1.0, "√h": 60.0}
+
+_KINDS = (
+    Kind("length", "a", "m", _LENGTH, "50 m"),
+    Kind("time", "a", "s", _TIME, "100 ms"),
+    Kind("angle", "an", "rad", _ANGLE, "0.1 °"),
+    Kind("frequency", "a", "Hz", _FREQUENCY, "100 Hz"),
+    Kind("speed", "a", "m/s", _SPEED, "20 m/s"),
+    Kind("acceleration", "an", "m/s²", _ACCELERATION, "0.01 m/s²"),
+    Kind("angular rate", "an", "rad/s", _RATE, "0.1 °/s"),
+    Kind(
+        "acceleration noise density",
+        "an",
+        "m/s²/√Hz",
+        _per(_ACCELERATION, _ROOT_HERTZ),
+        "220 µg/√Hz",
+    ),
+    Kind(
+        "angular rate noise density",
+        "an",
+        "rad/s/√Hz",
+        _per(_RATE, _ROOT_HERTZ),
+        "0.03 °/s/√Hz",
+    ),
+    Kind(
+        "velocity random walk",
+        "a",
+        "m/s/√s",
+        {**_per({"m/s": 1.0}, _ROOT_TIME), **_per(_ACCELERATION, _ROOT_HERTZ)},
+        "0.1 m/s/√h",
+    ),
+    Kind(
+        "angle random walk",
+        "an",
+        "rad/√s",
+        {**_per({"°": _DEG, "rad": 1.0}, _ROOT_TIME), **_per(_RATE, _ROOT_HERTZ)},
+        "0.2 °/√h",
+    ),
+    Kind("ratio", "a", "1", {"%": 1e-2, "ppm": 1e-6}, "1 %"),
+    Kind("confidence", "a", "σ", {"σ": 1.0, "%": math.nan}, "3 sigma"),
+)
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in _KINDS}
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.S)
+#: Regular expression of a number in a quantity, for the JSON schema.
+NUMBER_PATTERN = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"
+
+# What people type for the signs of the table; longer spellings come first.
+_SPELLINGS = (
+    ("\N{GREEK SMALL LETTER MU}", "µ"),
+    ("\N{MASCULINE ORDINAL INDICATOR}", "°"),
+    ("**", "^"),
+    ("^2", "²"),
+    ("^0.5", "^½"),
+    ("sqrt", "√"),
+    ("degrees", "°"),
+    ("degree", "°"),
+    ("deg", "°"),
+    ("sigma", "σ"),
+    ("percent", "%"),
+)
+_WORDS = {
+    "dps": "°/s",
+    "mdps": "m°/s",
+    "sec": "s",
+    "second": "s",
+    "seconds": "s",
+    "hr": "h",
+    "hour": "h",
+    "hours": "h",
+    "kph": "km/h",
+    "kmh": "km/h",
+    "ug": "µg",
+    "us": "µs",
+    "um": "µm",
+    "urad": "µrad",
+    "hz": "Hz",
+    "rtHz": "√Hz",
+    "m/s/s": "m/s²",
+    "mps": "m/s",
+}
+
+
+def canonical_unit(text: str) -> str:
+    """The table's spelling of a unit: ``deg/s/sqrt(Hz)`` becomes ``°/s/√Hz``."""
+    unit = unicodedata.normalize("NFC", text)
+    for spelled, sign in _SPELLINGS:
+        unit = unit.replace(spelled, sign)
+    unit = re.sub(r"\s+", "", unit)
+    unit = re.sub(r"√\((\w+)\)", r"√\1", unit)
+    unit = re.sub(r"(Hz|h|s)\^½", r"√\1", unit)
+    unit = unit.replace("m/s/s/", "m/s²/")
+    if unit in _WORDS:
+        return _WORDS[unit]
+    return "/".join(
+        _WORDS.get(part, part) if not part.startswith("√") else "√" + _WORDS.get(part[1:], part[1:])
+        for part in unit.split("/")
+    )
+
+
+def split(text: str) -> tuple[float, str]:
+    """Number and unit, both as written (the unit stripped of outer blanks).
+
+    Raises
+    ------
+    UnitError
+        The text does not begin with a finite decimal number.
+    """
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        if re.match(r"\s*[-+]?\.?(nan|inf)", text, re.I):
+            raise UnitError(f'"{text}" is not a finite number')
+        raise UnitError(f'"{text}" does not begin with a number')
+    rest = match[2].strip()
+    if re.match(r",\d", rest):
+        raise UnitError(f'"{text}": write a decimal point, not a comma')
+    value = float(match[1])
+    if not math.isfinite(value):
+        raise UnitError(f'"{text}" is too large a number')
+    return value, rest
+
+
+def parse(text: str, kind: Kind) -> float:
+    """The SI value of a quantity written with its unit, such as ``20 m/s``.
+
+    Raises
+    ------
+    UnitError
+        No number, no unit, an unknown unit, or a unit of another kind.
+    """
+    value, unit = split(text)
+    if not unit:
+        raise UnitError(
+            f'"{text}" has no unit; write for example "{_with_unit_of(text, kind)}" '
+            f"(units of {kind}: {', '.join(kind.factors)})"
+        )
+    return value * factor(unit, kind, text)
+
+
+def _with_unit_of(number: str, kind: Kind) -> str:
+    return f"{number.strip()} {split(kind.example)[1]}"
+
+
+def factor(unit: str, kind: Kind, text: str | None = None) -> float:
+    """SI value of one ``unit`` of the given kind.
+
+    Raises
+    ------
+    UnitError
+        An unknown unit, or a unit of another kind; ``text`` is quoted in the message.
+    """
+    name = canonical_unit(unit)
+    if name in kind.factors:
+        return kind.factors[name]
+    quoted = f'"{text}"' if text is not None else f'"{unit}"'
+    for other in _KINDS:
+        if name in other.factors:
+            raise UnitError(
+                f'{quoted} is {other}; {kind} is needed here, for example "{kind.example}"'
+                + _noise_hint(kind, other)
+            )
+    close = difflib.get_close_matches(name, kind.factors, n=1, cutoff=0.5)
+    hint = f'; did you mean "{close[0]}"?' if close else ""
+    raise UnitError(
+        f'{quoted}: unknown unit "{unit}"{hint} (units of {kind}: {", ".join(kind.factors)})'
+    )
+
+
+def _noise_hint(wanted: Kind, given: Kind) -> str:
+    if wanted.name.endswith("noise density") and given.name.endswith("random walk"):
+        return (
+            f"; Allan's N belongs to a two-sided density: write it under "
+            f'"{given.name.replace(" ", "_")}" and mcsim converts it'
+        )
+    return ""
+
+
+def in_unit(value: float, unit: str, kind: Kind) -> float:
+    """An SI value expressed in ``unit``, free of the conversion's last-digit noise."""
+    return float(f"{value / factor(unit, kind):.15g}")
+
+
+def degrees(value: float) -> float:
+    """Radian to degree, for tables and figures."""
+    return value / _DEG
+
+
+def parse_confidence(text: str) -> float:
+    """Confidence as a number of sigma: ``3 sigma`` is 3, ``95 %`` is 1.96.
+
+    Raises
+    ------
+    UnitError
+        Not a confidence, or outside of 0.1 to 6 sigma.
+    """
+    kind = KINDS["confidence"]
+    value, unit = split(text)
+    if not unit:
+        raise UnitError(f'"{text}" has no unit; write for example "3 sigma" or "95 %"')
+    factor(unit, kind, text)
+    if canonical_unit(unit) == "%":
+        if not 0.0 < value < 100.0:
+            raise UnitError(f'"{text}" must lie between 0 % and 100 %')
+        from scipy.special import ndtri
+
+        value = float(-ndtri((1.0 - value / 100.0) / 2.0))
+    if not 0.1 <= value <= 6.0:
+        raise UnitError(f'"{text}" must lie between 0.1 sigma and 6 sigma')
+    return value
+
+
+def density_from_random_walk(coefficient: float) -> float:
+    """One-sided noise density of a two-sided random walk coefficient N: ``√2 N``."""
+    return math.sqrt(2.0) * coefficient
+
+
+def sample_deviation(noise_density: float, rate: float) -> float:
+    """Standard deviation of one sample of white noise: ``ND √(fs / 2)``, ND one-sided."""
+    return noise_density * math.sqrt(rate / 2.0)
