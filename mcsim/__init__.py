@@ -1,0 +1,67 @@
+"""mcsim: how well a vehicle knows where it is, from inertial sensors alone.
+
+A Monte-Carlo simulator of track reconstruction.  The street runs one way::
+
+    scenario -> trajectory -> sensors -> kernel -> statistics -> results -> figures
+
+Conventions (the whole package keeps them)
+------------------------------------------
+* SI inside: m, s, rad, m/s^2, rad/s.  Other units exist only in scenario files,
+  tables and figures, and are converted by the closed table in ``mcsim.units``.
+* Standard gravity 9.80665 m/s^2.
+* Road frame: ``along`` in the initial direction of movement, ``across`` to the left
+  of it.  ``heading`` is the direction of the vehicle's axis, ``course`` that of its
+  velocity; both from ``along``, counter-clockwise positive, errors in (-pi, pi].
+  Side-slip is course minus heading.
+* Body axes: forward, left.  Channels are always ordered forward acceleration, left
+  acceleration, yaw rate.
+* Time 0 is where the manoeuvre starts; sample 0, the known initial state, lies one
+  lead before it.
+* A noise density is one-sided, as data sheets print it: one sample at rate fs has
+  variance ND^2 fs / 2.  Allan's N belongs to a two-sided density, variance N^2 fs.
+* Errors are reconstruction minus truth at the last sample, in the order along,
+  across, position, heading, course.  Standard deviations are those of the
+  population: rms^2 = mean^2 + std^2.  Percentiles are those of the signed error.
+* ``method`` is the error of the undisturbed reconstruction: sampling and
+  integration alone, no sensor error.
+* A realization's random numbers depend on the seed, its point's own coordinates and
+  its index: not on threads, blocks, order, or other points.
+
+Public names: ``Scenario``, ``run``, ``Results``, ``load``, and the exceptions of
+``mcsim.errors``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mcsim.errors import InputError, McsimError
+from mcsim.version import __version__
+
+if TYPE_CHECKING:
+    from mcsim.api import run
+    from mcsim.results import Results
+    from mcsim.scenario import Scenario
+    from mcsim.store import load
+
+__all__ = ["InputError", "McsimError", "Results", "Scenario", "__version__", "load", "run"]
+
+_WHERE = {
+    "Results": "mcsim.results",
+    "Scenario": "mcsim.scenario",
+    "load": "mcsim.store",
+    "run": "mcsim.api",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import public names when they are first used, so that ``mcsim --help`` is instant."""
+    if name in _WHERE:
+        from importlib import import_module
+
+        return getattr(import_module(_WHERE[name]), name)
+    raise AttributeError(f"module 'mcsim' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -10,7 +10,7 @@ from pathlib import Path
 from mcsim.cases.problem import History, Problem
 from mcsim.scenario import PlanarScenario
 
-__all__ = ["History", "Problem", "problem_of"]
+__all__ = ["History", "Problem", "check_point", "problem_of"]
 
 
 def problem_of(model: PlanarScenario, folder: Path) -> Problem:
@@ -24,3 +24,17 @@ def problem_of(model: PlanarScenario, folder: Path) -> Problem:
     from mcsim.cases.planar import PlanarProblem
 
     return PlanarProblem.from_model(model, folder)
+
+
+def check_point(model: PlanarScenario, folder: Path) -> None:
+    """Refuse a point that cannot run, without the cost of preparing it.
+
+    Raises
+    ------
+    InputError
+        See ``problem_of``.
+    """
+    from mcsim.cases.planar import sample_count
+    from mcsim.trajectory import drive_of
+
+    sample_count(drive_of(model.trajectory, folder), model.sensors.rate)

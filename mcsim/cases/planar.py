@@ -51,7 +51,7 @@ class PlanarProblem:
         """
         drive = drive_of(model.trajectory, folder)
         sensors = model.sensors
-        count = _sample_count(drive, sensors.rate)
+        count = sample_count(drive, sensors.rate)
         times = -drive.lead + np.arange(count + 1) / sensors.rate
         errors = channel_errors(sensors)
         initial = model.initial
@@ -166,7 +166,7 @@ def _missing(drive: Drive) -> Mapping[str, str]:
     return {}
 
 
-def _sample_count(drive: Drive, rate: float) -> int:
+def sample_count(drive: Drive, rate: float) -> int:
     """Number of the last sample that the drive holds."""
     count = math.floor(drive.duration * rate * (1.0 + 1e-12) + 1e-9)
     if count < 1:

@@ -318,16 +318,16 @@ class Initial(Block):
 class MonteCarlo(Block):
     """How many realizations, and how sure the intervals are."""
 
-    realizations: Annotated[int, Ge(1), Le(1_000_000_000)] | None = None
+    realizations: Annotated[int, Ge(1), Le(20_000_000)] | None = None
     """Number of realizations per point."""
     precision: Annotated[Ratio, Positive, Le(1.0)] | None = None
     """Go on until the intervals of all RMS values are within this share of the value."""
-    max_realizations: Annotated[int, Ge(1000), Le(1_000_000_000)] = 1_000_000
+    max_realizations: Annotated[int, Ge(1000), Le(20_000_000)] = 1_000_000
     """Where `precision` gives up."""
     seed: Annotated[int, Ge(0), Le(LARGEST_SEED)] = 1
     confidence: Confidence = 3.0
     """Confidence of the intervals, `3 sigma` or `95 %`."""
-    resamples: Annotated[int, Ge(100), Le(100_000)] = 1000
+    resamples: Annotated[int, Ge(100), Le(100_000)] = 2000
     """Bootstrap resamples."""
     common_random_numbers: bool = False
     """The same random numbers at every point of the sweep."""

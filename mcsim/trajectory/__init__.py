@@ -11,7 +11,7 @@ from mcsim.trajectory.drive import CurveManoeuvre, Drive, Motion
 __all__ = ["CurveManoeuvre", "Drive", "Motion", "drive_of"]
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=1024)
 def drive_of(trajectory: Trajectory, folder: Path) -> Drive:
     """The drive that a scenario describes; ``folder`` is where recorded files lie.
 

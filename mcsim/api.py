@@ -1,0 +1,60 @@
+"""What the command line and notebooks call: run a scenario, keep its results."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from mcsim.results import Results, assemble
+from mcsim.scenario import Scenario
+from mcsim.store import Checkpoint, save
+from mcsim.sweep import Progress, check_points, run_sweep
+
+
+def run(
+    scenario: Scenario,
+    *,
+    jobs: int | None = None,
+    output: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Results:
+    """Run a scenario: every point of its sweep, all realizations, all statistics.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        A single run is a sweep of one point.
+    jobs : int, optional
+        Number of threads; all processors if absent. Results do not depend on it.
+    output : path, optional
+        Folder in which ``<scenario name>/`` is written: tables, figures, provenance.
+        Finished points are kept there while the sweep runs, and a later run of the
+        same scenario goes on from them.
+    progress : Progress, optional
+        Hears how the run goes.
+
+    Returns
+    -------
+    Results
+
+    Raises
+    ------
+    InputError
+        A point that cannot run, or an output folder that cannot be written.
+    """
+    check_points(scenario)
+    begun = time.perf_counter()
+    if output is None:
+        sweep = run_sweep(scenario, jobs, progress)
+        return assemble(scenario, sweep, time.perf_counter() - begun)
+    folder = Path(output) / scenario.name
+    checkpoint = Checkpoint.of(scenario, folder)
+    done = checkpoint.read()
+    with checkpoint.writer() as keep:
+        sweep = run_sweep(scenario, jobs, progress, done, keep)
+    results = assemble(scenario, sweep, time.perf_counter() - begun)
+    save(results, folder)
+    from mcsim.figures import save_figures
+
+    save_figures(results, folder)
+    return results

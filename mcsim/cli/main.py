@@ -1,0 +1,284 @@
+"""Commands of ``mcsim``; heavy imports happen inside the command that needs them."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mcsim.errors import InputError, InterruptedRun, PartialError
+from mcsim.version import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mcsim.results import Results
+    from mcsim.scenario import Scenario
+
+EXIT_DONE, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_PARTIAL, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
+_OUTPUT = click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    default=Path("output"),
+    show_default=True,
+    help="Folder for results; each scenario gets a folder inside.",
+)
+_JOBS = click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    help="Number of threads; all processors if absent. Results do not depend on it.",
+)
+_QUIET = click.option("--quiet", is_flag=True, help="No progress, no summary.")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit with its code."""
+    sys.exit(exit_code(arguments))
+
+
+def exit_code(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; every error becomes one message and an exit code."""
+    try:
+        code = commands.main(arguments, prog_name="mcsim", standalone_mode=False)
+        return code if isinstance(code, int) else EXIT_DONE
+    except click.ClickException as error:
+        error.show()
+        return EXIT_BAD_INPUT
+    except InputError as error:
+        return _fail(str(error), EXIT_BAD_INPUT)
+    except PartialError as error:
+        return _fail(str(error), EXIT_PARTIAL)
+    except InterruptedRun as error:
+        return _fail(str(error), EXIT_INTERRUPTED)
+    except (KeyboardInterrupt, click.Abort):
+        return _fail("interrupted", EXIT_INTERRUPTED)
+    except BrokenPipeError:
+        # The reader of a pipe has left; nobody is there to be told.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_FAILED
+    except Exception as error:
+        if os.environ.get("MCSIM_DEBUG"):
+            raise
+        return _fail(
+            f"internal error: {type(error).__name__}: {error} (MCSIM_DEBUG=1 shows where)",
+            EXIT_FAILED,
+        )
+
+
+def _fail(message: str, code: int) -> int:
+    lines = message.splitlines() or [""]
+    print(f"mcsim: {lines[0]}", *lines[1:], sep="\n       ", file=sys.stderr)
+    return code
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="mcsim")
+def commands() -> None:
+    """How well can a vehicle know where it is, from inertial sensors alone?
+
+    A scenario (YAML) describes a track, sensors and a sweep; mcsim reconstructs
+    thousands of disturbed drives and reports the errors with their intervals.
+    """
+
+
+@commands.command()
+@click.argument("scenarios", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--set", "overrides", multiple=True, metavar="PATH=VALUE", help="Replace a value.")
+@click.option("--seed", type=int, help="Seed of the random numbers.")
+@click.option("--realizations", type=int, help="Realizations per point.")
+@click.option("--dry-run", is_flag=True, help="Say what would be run, and stop.")
+@_JOBS
+@_OUTPUT
+@_QUIET
+def run(
+    scenarios: tuple[Path, ...],
+    overrides: tuple[str, ...],
+    seed: int | None,
+    realizations: int | None,
+    dry_run: bool,
+    jobs: int | None,
+    output: Path,
+    quiet: bool,
+) -> None:
+    """Run scenarios; write tables, figures and provenance."""
+    from mcsim.sweep import check_points
+
+    read = [_read(path, overrides, seed, realizations) for path in scenarios]
+    _refuse_same_names(read)
+    for scenario in read:
+        check_points(scenario)
+    if dry_run:
+        for scenario in read:
+            click.echo(_plan(scenario))
+        return
+    failures = []
+    for scenario in read:
+        results = _run_one(scenario, jobs, output, quiet)
+        failures += results.failures
+        if not quiet:
+            _report(results, output / scenario.name)
+    _raise_failures(failures)
+
+
+@commands.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+def validate(files: tuple[Path, ...]) -> None:
+    """Check scenario files without running them."""
+    from mcsim.scenario import Scenario
+    from mcsim.sweep import check_points
+
+    problems = []
+    for path in files:
+        try:
+            scenario = Scenario.from_yaml(path)
+            check_points(scenario)
+            click.echo(f"{path}: valid, {scenario.n_points} point(s)")
+        except InputError as error:
+            problems.append(str(error))
+    if problems:
+        raise InputError("\n".join(problems))
+
+
+@commands.command()
+def schema() -> None:
+    """Print the JSON schema (draft 7) of scenario files."""
+    import json
+
+    from mcsim.scenario.schema import scenario_schema
+
+    click.echo(json.dumps(scenario_schema(), indent=2, ensure_ascii=False))
+
+
+@commands.command()
+@click.argument("name", required=False)
+def sensors(name: str | None) -> None:
+    """List the built-in sensors, or one of them with its sources."""
+    from mcsim.cli.tables import sensor_details, sensor_list
+
+    click.echo(sensor_details(name) if name else sensor_list())
+
+
+@commands.command()
+@click.argument("numbers", nargs=-1, metavar="[1 2 3 4 5|all]")
+@_JOBS
+@_OUTPUT
+@_QUIET
+def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: bool) -> None:
+    """Reproduce figures of the planar paper: run their scenarios and draw them."""
+    from mcsim.cli.paper import figure_scenarios, title_of
+    from mcsim.figures import draw_side_by_side, write_figure
+
+    failures = []
+    for number, parts in figure_scenarios(numbers).items():
+        results = [_run_one(scenario, jobs, output, quiet) for scenario in parts]
+        failures += [failure for part in results for failure in part.failures]
+        for part in results:
+            if not quiet:
+                _report(part, output / part.scenario.name)
+        if len(results) > 1:
+            folder = output / f"figure{number}"
+            folder.mkdir(parents=True, exist_ok=True)
+            write_figure(draw_side_by_side(results, title_of(parts)), folder, "figure")
+            if not quiet:
+                click.echo(f"figure {number}: {folder / 'figure.png'}")
+    _raise_failures(failures)
+
+
+@commands.command()
+@click.argument("results", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--output", type=click.Path(path_type=Path), help="Folder for the figures; that of the result."
+)
+def plot(results: tuple[Path, ...], output: Path | None) -> None:
+    """Draw stored results again."""
+    from mcsim.figures import save_figures
+    from mcsim.store import load_results
+
+    for path in results:
+        stored = load_results(path)
+        folder = path if path.is_dir() else path.parent
+        if output is not None:
+            folder = output / stored.scenario.name
+            folder.mkdir(parents=True, exist_ok=True)
+        for file in save_figures(stored, folder):
+            click.echo(file)
+
+
+def _read(
+    path: Path, overrides: tuple[str, ...], seed: int | None, realizations: int | None
+) -> Scenario:
+    from mcsim.scenario import Scenario
+
+    scenario = Scenario.from_yaml(path, overrides)
+    settings: dict[str, Any] = {}
+    if seed is not None:
+        settings["monte_carlo.seed"] = seed
+    if realizations is not None:
+        settings |= {"monte_carlo.realizations": realizations, "monte_carlo.precision": None}
+    return scenario.with_values(settings) if settings else scenario
+
+
+def _refuse_same_names(scenarios: list[Scenario]) -> None:
+    names = [scenario.name for scenario in scenarios]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(
+                f"two scenarios are named {name}; their results would share a folder: "
+                "rename one, or run them with different --output"
+            )
+
+
+def _run_one(scenario: Scenario, jobs: int | None, output: Path, quiet: bool) -> Results:
+    from mcsim.api import run as run_scenario
+    from mcsim.cli.progress import progress_for
+    from mcsim.store import Checkpoint
+
+    try:
+        return run_scenario(
+            scenario, jobs=jobs, output=output, progress=progress_for(quiet)
+        )
+    except KeyboardInterrupt:
+        kept = len(Checkpoint.of(scenario, output / scenario.name).read())
+        raise InterruptedRun(
+            f"{scenario.name}: interrupted with {kept} of {scenario.n_points} points done; "
+            "the same command goes on from there"
+        ) from None
+
+
+def _report(results: Results, folder: Path) -> None:
+    from mcsim.cli.tables import summary
+
+    if not results.scenario.axes:
+        click.echo(summary(results))
+    for remark in results.remarks:
+        click.echo(f"note: {remark}", err=True)
+    click.echo(f"{results.scenario.name}: {folder / 'table.csv'}, {folder / 'figure.png'}")
+
+
+def _raise_failures(failures: list[str]) -> None:
+    if failures:
+        shown = failures[:10] + [f"… and {len(failures) - 10} more"] * (len(failures) > 10)
+        raise PartialError(
+            "\n".join([f"{len(failures)} point(s) failed; the others are written:", *shown])
+        )
+
+
+def _plan(scenario: Scenario) -> str:
+    from mcsim.cases import problem_of
+
+    settings = scenario.base.monte_carlo
+    count = (
+        f"{settings.realizations:,} realizations"
+        if settings.realizations
+        else f"up to {settings.max_realizations:,} realizations"
+    )
+    lines = [f"{scenario.name}: {scenario.n_points} point(s), {count} each"]
+    for axis in scenario.axes:
+        first, last = axis.written(axis.values[0]), axis.written(axis.values[-1])
+        lines.append(f"  {axis.path}: {len(axis.values)} value(s), {first} … {last}")
+    problem = problem_of(scenario.points[0].model, scenario.folder)
+    lines.append(f"  {problem.n_samples} samples per realization at the first point")
+    return "\n".join(lines)

@@ -1,0 +1,116 @@
+"""How a run goes: a bar on a terminal, plain lines elsewhere; ETA counted in realizations."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+from mcsim.sweep import Progress, Silent
+
+if TYPE_CHECKING:
+    from mcsim.scenario import Scenario
+
+#: Seconds between two plain lines.
+_LINE_EVERY = 5.0
+
+
+def progress_for(quiet: bool) -> Progress:
+    """What suits the place that messages go to (standard error)."""
+    if quiet:
+        return Silent()
+    return Bar() if sys.stderr.isatty() else Lines()
+
+
+class Bar:
+    """A bar with points, realizations and the time left."""
+
+    def __init__(self) -> None:
+        self._bar: Any = None
+
+    def start(self, scenario: Scenario, realizations: int | None, resumed: int) -> None:
+        from rich.console import Console
+        from rich.progress import (
+            BarColumn,
+            Progress,
+            SpinnerColumn,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
+
+        self._done, self._points = resumed, scenario.n_points
+        self._bar = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[points]} points"),
+            TextColumn("{task.completed:,.0f} realizations"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+            console=Console(stderr=True),
+        )
+        self._task = self._bar.add_task(
+            scenario.name, total=realizations, points=f"{self._done}/{self._points}"
+        )
+        self._bar.start()
+
+    def advance(self, realizations: int) -> None:
+        self._bar.advance(self._task, realizations)
+
+    def point_done(self) -> None:
+        self._done += 1
+        self._bar.update(self._task, points=f"{self._done}/{self._points}")
+
+    def finish(self) -> None:
+        self._bar.stop()
+
+
+class Lines:
+    """A line at the start, one every few seconds, one at the end."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+
+    def start(self, scenario: Scenario, realizations: int | None, resumed: int) -> None:
+        self._name, self._points, self._total = scenario.name, scenario.n_points, realizations
+        self._points_done, self._done = resumed, 0
+        self._begun = self._last = time.monotonic()
+        more = f", {resumed} of them done before" if resumed else ""
+        wanted = f", {realizations:,} realizations" if realizations is not None else ""
+        _say(f"{self._name}: {self._points} point{'s' * (self._points != 1)}{more}{wanted}")
+
+    def advance(self, realizations: int) -> None:
+        with self._lock:
+            self._done += realizations
+            now = time.monotonic()
+            if now - self._last >= _LINE_EVERY:
+                self._last = now
+                _say(self._state(now - self._begun))
+
+    def point_done(self) -> None:
+        with self._lock:
+            self._points_done += 1
+
+    def finish(self) -> None:
+        elapsed = time.monotonic() - self._begun
+        _say(
+            f"{self._name}: {self._points_done}/{self._points} points, "
+            f"{self._done:,} realizations in {elapsed:.1f} s"
+        )
+
+    def _state(self, elapsed: float) -> str:
+        left = ""
+        if self._total:
+            share = self._done / self._total
+            left = f" ({share:.0%}), about {elapsed * (1.0 / share - 1.0):.0f} s left"
+        return (
+            f"{self._name}: {self._points_done}/{self._points} points, "
+            f"{self._done:,} realizations{left}"
+        )
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)

@@ -1,0 +1,72 @@
+"""Words and signs of figures: labels of paths, errors and statistics."""
+
+from __future__ import annotations
+
+from mcsim.scenario import Axis, Value
+
+_WORDS = {
+    "sensors.rate": "sampling rate",
+    "trajectory.length": "track length L",
+    "trajectory.width": "track width D",
+    "trajectory.speed": "speed",
+    "trajectory.deceleration": "deceleration",
+}
+_ERRORS = {
+    "along": "along-road error",
+    "across": "across-road error",
+    "position": "position error",
+    "heading": "heading error",
+    "course": "course error",
+}
+STATISTICS = {
+    "mean": "mean",
+    "std": "standard deviation",
+    "rms": "RMS",
+    "p50": "median",
+    "p95": "95th percentile",
+}
+SIGN_OF_UNIT = {"deg": "°", "m": "m"}
+
+
+def path_words(path: str) -> str:
+    """``sensors.accelerometer.noise_density`` as words: ``accelerometer noise density``."""
+    if path in _WORDS:
+        return _WORDS[path]
+    block, _, rest = path.partition(".")
+    words = rest if block in ("sensors", "trajectory", "monte_carlo") else path
+    return words.replace(".", " ").replace("_", " ")
+
+
+def unit_sign(unit: str) -> str:
+    """A unit as print shows it: ``m/s²`` for ``m/s^2``."""
+    return unit.replace("^2", "²").replace("sqrt(Hz)", "√Hz").replace("deg", "°")
+
+
+def axis_label(axis: Axis) -> str:
+    """Label of a swept quantity, with its unit."""
+    words = path_words(axis.path)
+    return f"{words} [{unit_sign(axis.unit)}]" if axis.unit else words
+
+
+def value_label(axis: Axis, value: Value) -> str:
+    """One value of a swept quantity, with its unit."""
+    if isinstance(value, float):
+        text = f"{value:.4g}"
+        return f"{text} {unit_sign(axis.unit)}" if axis.unit else text
+    return str(value)
+
+
+def error_label(errors: tuple[str, ...], statistic: str, unit: str) -> str:
+    """Label of a vertical axis."""
+    name = _ERRORS[errors[0]] if len(errors) == 1 else "error"
+    return f"{name}, {STATISTICS[statistic]} [{SIGN_OF_UNIT[unit]}]"
+
+
+def error_words(error: str) -> str:
+    """The name of an error."""
+    return _ERRORS[error]
+
+
+def confidence_words(sigmas: float) -> str:
+    """The confidence of intervals: ``3σ``."""
+    return f"{sigmas:.3g}σ"

@@ -1,0 +1,50 @@
+"""The figure of a single run: its estimates with their intervals."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from mcsim.figures import labels
+from mcsim.figures.style import curve_colour, house_style
+from mcsim.results import UNITS, Results
+
+_SHOWN = ("mean", "std", "rms", "p95", "method")
+_NAMES = {**labels.STATISTICS, "method": "method error (no sensor error)"}
+
+
+def draw_single(results: Results) -> Figure:
+    """Mean, deviation, RMS and 95th percentile of each error; positions left, angles right."""
+    groups = [[name for name in UNITS if UNITS[name] == unit] for unit in ("m", "deg")]
+    with house_style():
+        figure = Figure(figsize=(9.2, 3.6), layout="constrained")
+        for axes, names in zip(figure.subplots(1, 2), groups, strict=True):
+            for k, statistic in enumerate(_SHOWN):
+                rows = results.table[results.table["statistic"] == statistic].set_index("error")
+                rows = rows.loc[names]
+                value = rows["value"].to_numpy(float)
+                bars = [
+                    np.nan_to_num(value - rows["ci_low"].to_numpy(float)),
+                    np.nan_to_num(rows["ci_high"].to_numpy(float) - value),
+                ]
+                axes.errorbar(
+                    np.arange(len(names)) + 0.12 * (k - 2),
+                    value,
+                    yerr=np.maximum(bars, 0.0),
+                    fmt="osD^x"[k],
+                    color=curve_colour(k, len(_SHOWN)),
+                    label=_NAMES[statistic],
+                )
+            axes.axhline(0.0, color="#6b7280", linewidth=0.8, zorder=1.5)
+            axes.set_xticks(range(len(names)), names)
+            axes.set_ylabel(f"error at the end [{labels.SIGN_OF_UNIT[UNITS[names[0]]]}]")
+        handles, texts = axes.get_legend_handles_labels()
+        figure.legend(handles, texts, loc="outside lower center", ncols=5)
+        sigmas = results.scenario.base.monte_carlo.confidence
+        title = results.scenario.base.figure.title or results.scenario.base.title
+        figure.suptitle(
+            f"{title or results.scenario.name} – "
+            f"bars: {labels.confidence_words(sigmas)} bootstrap intervals",
+            fontsize=10.5,
+        )
+    return figure

@@ -1,0 +1,89 @@
+"""The look of all figures, and how they are written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from mcsim.store import write_whole
+
+#: Decades that a range must span to be drawn on a logarithmic axis.
+LOG_DECADES = 1.2
+MARKERS = "osD^vP*X<>"
+LINE_STYLES = ("-", "--", ":", "-.")
+_CURVE_COLOURS = ("#1b4965", "#2a9d8f", "#e9a03b", "#d1495b", "#7b4ea3", "#5c677d")
+_RC = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "#d9dde2",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4.0,
+    "errorbar.capsize": 2.0,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "mcsim",
+}
+_DPI = 130
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Drawing inside looks like mcsim, and touches no setting of the caller."""
+    with mpl.rc_context(_RC):
+        yield
+
+
+def curve_colour(index: int, count: int) -> object:
+    """Colour of one of ``count`` curves; distinguishable without colour vision too."""
+    if count <= len(_CURVE_COLOURS):
+        return _CURVE_COLOURS[index]
+    return mpl.colormaps["viridis"](index / (count - 1) * 0.92)
+
+
+def spans_decades(values: Sequence[float]) -> bool:
+    """Whether positive values range over more than ``LOG_DECADES``."""
+    finite = np.asarray([v for v in values if np.isfinite(v)])
+    if len(finite) < 2 or np.any(finite <= 0.0):
+        return False
+    return bool(np.log10(finite.max() / finite.min()) > LOG_DECADES)
+
+
+def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
+    """Write ``name.png`` and ``name.svg``, whole or not at all, without a date inside."""
+    with house_style():
+        return [
+            write_whole(
+                folder / f"{name}.png",
+                lambda path: figure.savefig(path, dpi=_DPI, metadata={"Software": None}),
+            ),
+            write_whole(
+                folder / f"{name}.svg",
+                lambda path: figure.savefig(path, metadata={"Date": None, "Creator": None}),
+            ),
+        ]
+
+
+def legend_below(figure: Figure, axes: Axes, title: str | None = None) -> None:
+    """One legend for the whole figure, under it: it can cover no data."""
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        figure.legend(
+            handles,
+            labels,
+            title=title,
+            loc="outside lower center",
+            ncols=min(len(labels), 5),
+        )

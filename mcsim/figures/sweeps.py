@@ -1,0 +1,250 @@
+"""Curve families over a sweep: one panel per error, intervals as bars."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from mcsim.figures import labels
+from mcsim.figures.style import (
+    LINE_STYLES,
+    MARKERS,
+    curve_colour,
+    house_style,
+    legend_below,
+    spans_decades,
+)
+from mcsim.results import UNITS, Results
+from mcsim.scenario import Axis, Value
+from mcsim.scenario.model import Figure as FigureModel
+from mcsim.scenario.model import Panel
+from mcsim.units import degrees
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Values of a third axis that are drawn side by side.
+_MOST_SLICES = 4
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of panels: results, and the values at which further axes are held."""
+
+    results: Results
+    held: dict[str, Value] = field(default_factory=dict)
+    title: str = ""
+
+
+def draw_sweep(results: Results) -> Figure:
+    """The figure of a swept scenario."""
+    axes = results.scenario.axes
+    rest = [axis for axis in axes if axis.path not in _drawn_paths(results)]
+    if not rest:
+        return draw_columns([Column(results)], results.scenario.base.figure.title)
+    held = {axis.path: axis.values[0] for axis in rest[1:]}
+    columns = [
+        Column(
+            results,
+            {rest[0].path: value, **held},
+            f"{labels.path_words(rest[0].path)} {labels.value_label(rest[0], value)}",
+        )
+        for value in rest[0].values[:_MOST_SLICES]
+    ]
+    notes = [
+        f"{labels.path_words(axis.path)} {labels.value_label(axis, axis.values[0])}"
+        for axis in rest[1:]
+    ]
+    if len(rest[0].values) > _MOST_SLICES:
+        notes.append(
+            f"{_MOST_SLICES} of {len(rest[0].values)} values of {labels.path_words(rest[0].path)}"
+        )
+    title = " – ".join(filter(None, [results.scenario.base.figure.title, *notes]))
+    return draw_columns(columns, title)
+
+
+def draw_columns(columns: list[Column], title: str | None = None) -> Figure:
+    """Panels of one column in two columns of a page, several columns side by side."""
+    panels = [c.results.scenario.base.figure.panels for c in columns]
+    rows = max(map(len, panels))
+    with house_style():
+        if len(columns) == 1:
+            across = min(2, rows)
+            down = -(-rows // across)
+            figure = Figure(figsize=(4.6 * across, 3.3 * down + 0.8), layout="constrained")
+            flat = figure.subplots(down, across, squeeze=False).ravel()
+            grid = flat[:rows, None]
+            for unused in flat[rows:]:
+                unused.set_visible(False)
+        else:
+            figure = Figure(
+                figsize=(4.4 * len(columns), 2.9 * rows + 0.8), layout="constrained"
+            )
+            grid = figure.subplots(rows, len(columns), squeeze=False)
+        if title:
+            figure.suptitle(title, fontsize=11)
+        families = set()
+        for j, column in enumerate(columns):
+            for i, panel in enumerate(panels[j]):
+                families.add(_draw_panel(grid[i, j], column, panel))
+            for i in range(len(panels[j]), rows):
+                grid[i, j].set_visible(False)
+            if column.title:
+                grid[0, j].set_title(column.title)
+        _place_legends(figure, grid, families)
+        sigmas = columns[0].results.scenario.base.monte_carlo.confidence
+        figure.text(
+            1.0,
+            0.0,
+            f"bars: {labels.confidence_words(sigmas)} bootstrap intervals ",
+            ha="right",
+            va="bottom",
+            fontsize=7.5,
+            color="#6b7280",
+        )
+    return figure
+
+
+def _place_legends(figure: Figure, grid: Any, families: set[tuple[Any, ...]]) -> None:
+    """One legend below if all panels share their curves, else one beside each column or panel."""
+    if len(families) == 1:
+        legend_below(figure, grid[0, 0], next(iter(families))[0])
+        return
+    several = grid.shape[1] > 1
+    for axes in grid[-1, :] if several else grid[:, 0]:
+        handles, names = axes.get_legend_handles_labels()
+        axes.legend(
+            handles,
+            names,
+            title=axes.mcsim_curves,
+            loc="upper center",
+            bbox_to_anchor=(0.5, -0.2),
+            ncols=min(3, len(names)),
+        )
+
+
+def _drawn_paths(results: Results) -> set[str]:
+    paths = set()
+    for panel in results.scenario.base.figure.panels:
+        x, curves = _panel_axes(results.scenario.axes, panel)
+        paths |= {x.path} | ({curves.path} if curves else set())
+    return paths
+
+
+def _panel_axes(axes: tuple[Axis, ...], panel: Panel) -> tuple[Axis, Axis | None]:
+    """Which axis runs horizontally, and which distinguishes the curves."""
+    by_path = {axis.path: axis for axis in axes}
+    named = {panel.x, panel.curves}
+    free = [axis for axis in axes if axis.path not in named]
+    x = by_path[panel.x] if panel.x else free.pop(0)
+    curves = by_path[panel.curves] if panel.curves else (free[0] if free else None)
+    return x, curves
+
+
+def _draw_panel(axes: Axes, column: Column, panel: Panel) -> tuple[Any, ...]:
+    """Draw one panel; returns what its legend says."""
+    scenario = column.results.scenario
+    statistic = scenario.base.figure.statistic
+    x_axis, curve_axis = _panel_axes(scenario.axes, panel)
+    table = _slice(column, statistic)
+    curve_values: tuple[Value | None, ...] = curve_axis.values if curve_axis else (None,)
+    names = []
+    for c, curve_value in enumerate(curve_values):
+        for e, error in enumerate(panel.errors):
+            rows = table[table["error"] == error]
+            if curve_axis is not None:
+                rows = rows[rows[curve_axis.column] == curve_value]
+            name = _curve_name(panel, error, curve_axis, curve_value)
+            names.append(name)
+            n_styles = len(curve_values) if curve_axis else len(panel.errors)
+            index = c if curve_axis else e
+            _draw_curve(
+                axes,
+                x_axis,
+                rows,
+                label=name,
+                color=curve_colour(index, n_styles),
+                marker=MARKERS[index % len(MARKERS)],
+                linestyle=LINE_STYLES[e % len(LINE_STYLES)] if curve_axis else "-",
+            )
+    unit = UNITS[panel.errors[0]]
+    drawn = table[table["error"].isin(panel.errors)]
+    _scale(axes, x_axis, drawn["value"].to_numpy(), statistic)
+    _draw_limit(axes, scenario.base.figure, unit)
+    axes.set_xlabel(labels.axis_label(x_axis))
+    axes.set_ylabel(labels.error_label(panel.errors, statistic, unit))
+    title = labels.axis_label(curve_axis) if curve_axis else None
+    axes.mcsim_curves = title  # type: ignore[attr-defined]
+    return (title, *names)
+
+
+def _slice(column: Column, statistic: str) -> pd.DataFrame:
+    """The rows of one statistic where the held axes have their values."""
+    table = column.results.table
+    table = table[table["statistic"] == statistic]
+    for axis in column.results.scenario.axes:
+        if axis.path in column.held:
+            table = table[table[axis.column] == column.held[axis.path]]
+    return table
+
+
+def _curve_name(
+    panel: Panel, error: str, curve_axis: Axis | None, curve_value: Value | None
+) -> str:
+    parts = []
+    if len(panel.errors) > 1 or curve_axis is None:
+        parts.append(labels.error_words(error))
+    if curve_axis is not None and curve_value is not None:
+        parts.append(labels.value_label(curve_axis, curve_value))
+    return ", ".join(parts)
+
+
+def _draw_curve(axes: Axes, x_axis: Axis, rows: pd.DataFrame, **style: Any) -> None:
+    value = rows["value"].to_numpy(float)
+    below = np.nan_to_num(value - rows["ci_low"].to_numpy(float))
+    above = np.nan_to_num(rows["ci_high"].to_numpy(float) - value)
+    x = rows[x_axis.column]
+    if not _is_numeric(x_axis):
+        x = [x_axis.values.index(v) for v in x]
+    bars = np.maximum([below, above], 0.0)
+    axes.errorbar(x, value, yerr=bars, markeredgecolor="white", markeredgewidth=0.4, **style)
+
+
+def _is_numeric(axis: Axis) -> bool:
+    return all(isinstance(v, int | float) and not isinstance(v, bool) for v in axis.values)
+
+
+def _scale(axes: Axes, x_axis: Axis, values: Any, statistic: str) -> None:
+    """Logarithmic axes where the range spans decades; names on the ticks of plain values."""
+    if not _is_numeric(x_axis):
+        axes.set_xticks(range(len(x_axis.values)), [str(v) for v in x_axis.values])
+    elif x_axis.log or spans_decades([float(v) for v in x_axis.values]):
+        axes.set_xscale("log")
+    if statistic != "mean" and spans_decades(values):
+        axes.set_yscale("log")
+    elif statistic in ("std", "rms", "p95") and len(values) and np.nanmin(values) >= 0.0:
+        axes.set_ylim(bottom=0.0)
+
+
+def _draw_limit(axes: Axes, figure: FigureModel, unit: str) -> None:
+    """The requirement line, with its value written on it; the view widens to hold it."""
+    limit = figure.limits.position if unit == "m" else figure.limits.angle
+    if limit is None:
+        return
+    shown = degrees(limit) if unit == "deg" else limit
+    axes.axhline(shown, color="#6b7280", linestyle=(0, (6, 3)), linewidth=1.0, zorder=1.5)
+    axes.annotate(
+        f"limit {shown:.3g} {labels.SIGN_OF_UNIT[unit]}",
+        (1.0, shown),
+        xycoords=("axes fraction", "data"),
+        xytext=(-2, 2),
+        textcoords="offset points",
+        ha="right",
+        va="bottom",
+        fontsize=7.5,
+        color="#6b7280",
+    )

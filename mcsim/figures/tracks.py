@@ -1,0 +1,127 @@
+"""Sample tracks, the scatter of their ends with its error ellipse, and fan charts over time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse
+
+from mcsim.figures import labels
+from mcsim.figures.style import house_style
+from mcsim.results import Results
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_TRUTH, _SAMPLE, _BAND = "#d1495b", "#2a9d8f", "#1b4965"
+_FEWEST_ENDS = 10
+
+
+def draw_over_time(results: Results) -> Figure | None:
+    """Tracks and fan charts of the first point; None if the run kept neither."""
+    history = _first_point(results, results.history)
+    tracks = _first_point(results, results.tracks)
+    rows = []
+    if tracks is not None:
+        rows.append(["tracks", "ends"])
+    if history is not None:
+        rows += [["along", "across"], ["heading", "course"]]
+    if not rows:
+        return None
+    with house_style():
+        figure = Figure(figsize=(9.2, 3.1 * len(rows) + 0.6), layout="constrained")
+        panels = figure.subplot_mosaic(rows)
+        if tracks is not None:
+            _draw_tracks(panels["tracks"], tracks)
+            _draw_ends(panels["ends"], tracks, results.scenario.base.monte_carlo.confidence)
+        if history is not None:
+            for name in ("along", "across", "heading", "course"):
+                _draw_fan(panels[name], history[history["error"] == name], name)
+            handles, texts = panels["along"].get_legend_handles_labels()
+            figure.legend(handles, texts, loc="outside lower center", ncols=4)
+        figure.suptitle(_title(results), fontsize=10.5)
+    return figure
+
+
+def _first_point(results: Results, table: pd.DataFrame | None) -> pd.DataFrame | None:
+    if table is None:
+        return None
+    for axis in results.scenario.axes:
+        table = table[table[axis.column] == axis.values[0]]
+    return table
+
+
+def _title(results: Results) -> str:
+    scenario = results.scenario
+    title = scenario.base.figure.title or scenario.base.title or scenario.name
+    where = ", ".join(
+        f"{labels.path_words(axis.path)} {labels.value_label(axis, axis.values[0])}"
+        for axis in scenario.axes
+    )
+    return f"{title} – {where}" if where else title
+
+
+def _draw_tracks(axes: Axes, tracks: pd.DataFrame) -> None:
+    for number, track in tracks.groupby("realization"):
+        if number >= 0:
+            axes.plot(
+                track["along [m]"], track["across [m]"], color=_SAMPLE, alpha=0.35, linewidth=0.7
+            )
+    truth = tracks[tracks["realization"] == -1]
+    axes.plot(truth["along [m]"], truth["across [m]"], color=_TRUTH, linewidth=1.6, label="truth")
+    axes.plot([], [], color=_SAMPLE, label=f"{tracks['realization'].nunique() - 1} realizations")
+    axes.set_xlabel("along [m]")
+    axes.set_ylabel("across [m]")
+    axes.set_title("reconstructed tracks")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.1)
+    axes.title.set_position((0.85, 1.0))
+
+
+def _draw_ends(axes: Axes, tracks: pd.DataFrame, sigmas: float) -> None:
+    ends = tracks.groupby("realization").last()
+    truth = ends.loc[-1]
+    errors = (ends.drop(index=-1) - truth)[["along [m]", "across [m]"]].to_numpy()
+    axes.plot(errors[:, 0], errors[:, 1], ".", color=_SAMPLE, markersize=4)
+    axes.plot(0.0, 0.0, "+", color=_TRUTH, markersize=9, markeredgewidth=1.6)
+    if len(errors) >= _FEWEST_ENDS:
+        axes.add_patch(_ellipse(errors, sigmas))
+        axes.autoscale_view()
+    axes.set_xlabel("along-road error [m]")
+    axes.set_ylabel("across-road error [m]")
+    axes.set_title(f"ends, with the {labels.confidence_words(sigmas)} ellipse of their covariance")
+
+
+def _ellipse(errors: Any, sigmas: float) -> Ellipse:
+    """The contour of the ends' normal distribution at ``sigmas`` along each principal axis."""
+    values, vectors = np.linalg.eigh(np.cov(errors.T))
+    width, height = 2.0 * sigmas * np.sqrt(np.maximum(values, 0.0))
+    angle = np.degrees(np.arctan2(vectors[1, 0], vectors[0, 0]))
+    centre = errors.mean(axis=0)
+    return Ellipse(
+        (centre[0], centre[1]), width, height, angle=angle, fill=False, color=_BAND, linewidth=1.3
+    )
+
+
+def _draw_fan(axes: Axes, rows: pd.DataFrame, name: str) -> None:
+    by_statistic = {key: group for key, group in rows.groupby("statistic")}
+    time = by_statistic["mean"]["time [s]"]
+
+    def line(statistic: str) -> Any:
+        return by_statistic[statistic]["value"].to_numpy(float)
+
+    axes.fill_between(
+        time, line("p05"), line("p95"), color=_BAND, alpha=0.18, linewidth=0, label="5–95 %"
+    )
+    mean, std = line("mean"), line("std")
+    axes.fill_between(
+        time, mean - std, mean + std, color=_BAND, alpha=0.25, linewidth=0, label="mean ± std"
+    )
+    axes.plot(time, mean, color=_BAND, label="mean")
+    axes.plot(time, line("rms"), color=_TRUTH, linestyle="--", label="RMS")
+    axes.axhline(0.0, color="#6b7280", linewidth=0.8, zorder=1.5)
+    unit = rows["unit"].iloc[0]
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(f"{labels.error_words(name)} [{labels.SIGN_OF_UNIT[unit]}]")

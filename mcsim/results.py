@@ -1,0 +1,279 @@
+"""Results of a scenario: the tidy table, histories, sample tracks, provenance."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mcsim.cases import problem_of
+from mcsim.engine import PointResult, point_key
+from mcsim.errors import InputError
+from mcsim.scenario import STATISTICS, Point, Scenario
+from mcsim.statistics import ESTIMATED
+from mcsim.sweep import SweepResult
+from mcsim.units import degrees
+from mcsim.version import __version__
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Columns of the table after those of the swept paths.
+COLUMNS = ("error", "statistic", "value", "ci_low", "ci_high", "unit", "realizations", "note")
+#: Unit of each error in tables and figures.
+UNITS = {"along": "m", "across": "m", "position": "m", "heading": "deg", "course": "deg"}
+HISTORY_STATISTICS = ("mean", "std", "rms", "p05", "p50", "p95")
+#: Realizations that histories are estimated from, at most.
+HISTORY_REALIZATIONS = 4000
+_MOST_HISTORY_ROWS = 20_000_000
+
+
+@dataclass(frozen=True)
+class Results:
+    """Everything that a run found out.
+
+    Attributes
+    ----------
+    scenario : Scenario
+    table : DataFrame
+        One row per point, error and statistic; swept values in the scenario's units.
+    provenance : dict
+        Scenario as resolved, seed, versions, platform, time, remarks, failures.
+    history : DataFrame or None
+        Statistics of the errors at every sample, if the scenario asks for them.
+    tracks : DataFrame or None
+        Reconstructed sample tracks and the true one, if the scenario asks for them.
+    """
+
+    scenario: Scenario
+    table: pd.DataFrame
+    provenance: dict[str, Any]
+    history: pd.DataFrame | None = None
+    tracks: pd.DataFrame | None = None
+
+    @property
+    def remarks(self) -> list[str]:
+        """What a user should know beyond the numbers."""
+        return list(self.provenance["remarks"])
+
+    @property
+    def failures(self) -> list[str]:
+        """Points that failed, with the reason."""
+        return list(self.provenance["failures"])
+
+
+def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
+    """Turn the points' results into tables.
+
+    Raises
+    ------
+    InputError
+        Histories of so many points that they would not fit in memory.
+    """
+    remarks = _remarks(scenario, sweep)
+    history, tracks = _over_time(scenario)
+    return Results(
+        scenario=scenario,
+        table=_table(scenario, sweep),
+        provenance=_provenance(scenario, sweep, remarks, seconds),
+        history=history,
+        tracks=tracks,
+    )
+
+
+def in_table_unit(name: str, value: Any) -> Any:
+    """An SI error in the unit of tables."""
+    return degrees(value) if UNITS[name] == "deg" else value
+
+
+def _table(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
+    import pandas as pd
+
+    rows = [
+        row
+        for point in scenario.points
+        if point.index in sweep.points
+        for row in _point_rows(point, sweep.points[point.index], scenario)
+    ]
+    columns = [*(axis.column for axis in scenario.axes), *COLUMNS]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _point_rows(
+    point: Point, result: PointResult, scenario: Scenario
+) -> Iterator[tuple[Any, ...]]:
+    estimates = result.estimates
+    for i, name in enumerate(UNITS):
+        missing = bool(np.isnan(result.method[i]))
+        note = result.notes.get(name, "")
+        for statistic in STATISTICS:
+            if statistic == "method":
+                numbers = [result.method[i]] * 3
+            else:
+                j = ESTIMATED.index(statistic)
+                numbers = [
+                    estimates.value[i, j],
+                    estimates.low[i, j],
+                    estimates.high[i, j],
+                ]
+            yield (
+                *point.values,
+                name,
+                statistic,
+                *(float(in_table_unit(name, number)) for number in numbers),
+                UNITS[name],
+                result.realizations,
+                note if missing or statistic != "method" else "",
+            )
+
+
+def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | None]:
+    """Histories and sample tracks of every point, if asked for."""
+    import pandas as pd
+
+    outputs = scenario.base.outputs
+    if not outputs.history and not outputs.tracks:
+        return None, None
+    histories, tracks, rows = [], [], 0
+    for point in scenario.points:
+        settings = point.model.monte_carlo
+        count = min(settings.realizations or HISTORY_REALIZATIONS, HISTORY_REALIZATIONS)
+        if not outputs.history:
+            count = outputs.tracks
+        problem = problem_of(point.model, scenario.folder)
+        samples = problem.n_samples + 1
+        rows += samples * (
+            outputs.tracks + outputs.history * len(UNITS) * len(HISTORY_STATISTICS)
+        )
+        if rows > _MOST_HISTORY_ROWS:
+            raise InputError(
+                f"outputs: histories and tracks of {scenario.n_points} points would need more "
+                f"than {_MOST_HISTORY_ROWS:,} rows; sweep fewer points"
+            )
+        history = problem.history(
+            point_key(settings, point.identities), 0, max(count, outputs.tracks)
+        )
+        coordinates = {
+            axis.column: value for axis, value in zip(scenario.axes, point.values, strict=True)
+        }
+        if outputs.history:
+            histories.append(_history_frame(coordinates, history.time, history.errors[..., :count]))
+        if outputs.tracks:
+            tracks.append(
+                _tracks_frame(coordinates, history, outputs.tracks)
+            )
+    return (
+        pd.concat(histories, ignore_index=True) if histories else None,
+        pd.concat(tracks, ignore_index=True) if tracks else None,
+    )
+
+
+def _history_frame(coordinates: dict[str, Any], time: Any, errors: Any) -> pd.DataFrame:
+    import pandas as pd
+
+    count = errors.shape[-1]
+    mean = errors.mean(axis=-1)
+    p05, p50, p95 = np.quantile(errors, (0.05, 0.5, 0.95), axis=-1)
+    values = {
+        "mean": mean,
+        "std": errors.std(axis=-1),
+        "rms": np.sqrt(np.mean(errors**2, axis=-1)),
+        "p05": p05,
+        "p50": p50,
+        "p95": p95,
+    }
+    return pd.concat(
+        [
+            pd.DataFrame(
+                {
+                    **coordinates,
+                    "time [s]": time,
+                    "error": name,
+                    "statistic": statistic,
+                    "value": in_table_unit(name, values[statistic][i]),
+                    "unit": UNITS[name],
+                    "realizations": count,
+                }
+            )
+            for i, name in enumerate(UNITS)
+            for statistic in HISTORY_STATISTICS
+        ],
+        ignore_index=True,
+    )
+
+
+def _tracks_frame(coordinates: dict[str, Any], history: Any, count: int) -> pd.DataFrame:
+    """Sample tracks; the true one has realization -1."""
+    import pandas as pd
+
+    frames = [
+        pd.DataFrame(
+            {
+                **coordinates,
+                "realization": number,
+                "time [s]": history.time,
+                "along [m]": track[0],
+                "across [m]": track[1],
+            }
+        )
+        for number, track in [
+            (-1, history.truth),
+            *((r, history.tracks[:, :, r]) for r in range(count)),
+        ]
+    ]
+    return pd.concat(frames, ignore_index=True)
+
+
+def _remarks(scenario: Scenario, sweep: SweepResult) -> list[str]:
+    """Notes of all points, each said once with the number of points that it holds for."""
+    affected: dict[tuple[str, str], int] = {}
+    for result in sweep.points.values():
+        for name, note in result.notes.items():
+            affected[name, note] = affected.get((name, note), 0) + 1
+    return [
+        f"{name}: {note}" + (f" ({n} of {scenario.n_points} points)" if scenario.axes else "")
+        for (name, note), n in affected.items()
+    ]
+
+
+def _provenance(
+    scenario: Scenario, sweep: SweepResult, remarks: list[str], seconds: float
+) -> dict[str, Any]:
+    packages = ("numpy", "numba", "scipy", "pandas")
+    return {
+        "mcsim": __version__,
+        "name": scenario.name,
+        "seed": scenario.base.monte_carlo.seed,
+        "points": scenario.n_points,
+        "points_done": len(sweep.points),
+        "realizations": sum(result.realizations for result in sweep.points.values()),
+        "scenario": scenario.document.tree,
+        "resolved": scenario.base.model_dump(mode="json", exclude_none=True),
+        "failures": [
+            f"{_describe(scenario, index)}: {reason}" for index, reason in sweep.failures.items()
+        ],
+        "remarks": remarks,
+        "versions": {
+            "python": platform.python_version(),
+            **{name: metadata.version(name) for name in packages},
+        },
+        "platform": {
+            "system": platform.system(),
+            "machine": platform.machine(),
+        },
+        "finished": datetime.now(UTC).isoformat(timespec="seconds"),
+        "seconds": round(seconds, 3),
+    }
+
+
+def _describe(scenario: Scenario, index: int) -> str:
+    values = scenario.points[index].values
+    return ", ".join(
+        f"{axis.path} = {axis.written(value)}"
+        for axis, value in zip(scenario.axes, values, strict=True)
+    )

@@ -1,0 +1,135 @@
+"""All points of a scenario over workers; the same results whatever their number or order."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from mcsim.cases import check_point, problem_of
+from mcsim.engine import PointResult, point_key, run_point
+from mcsim.scenario import Point, Scenario
+
+
+class Progress(Protocol):
+    """Hears how a sweep goes; every method may be called from any thread."""
+
+    def start(self, scenario: Scenario, realizations: int | None, resumed: int) -> None:
+        """``realizations`` is the expected total; None if precision decides."""
+
+    def advance(self, realizations: int) -> None:
+        """So many more realizations are done."""
+
+    def point_done(self) -> None:
+        """One more point is done."""
+
+    def finish(self) -> None:
+        """No more calls follow."""
+
+
+class Silent:
+    """Progress that nobody watches."""
+
+    def start(self, scenario: Scenario, realizations: int | None, resumed: int) -> None:
+        pass
+
+    def advance(self, realizations: int) -> None:
+        pass
+
+    def point_done(self) -> None:
+        pass
+
+    def finish(self) -> None:
+        pass
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """Results by the index of their point, and the points that failed, with the reason."""
+
+    points: Mapping[int, PointResult]
+    failures: Mapping[int, str]
+
+
+def check_points(scenario: Scenario) -> None:
+    """Refuse, before anything runs, points that cannot run.
+
+    Raises
+    ------
+    InputError
+        A point's track cannot be built or sampled.
+    """
+    for point in scenario.points:
+        check_point(point.model, scenario.folder)
+
+
+def default_jobs() -> int:
+    """The processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def run_sweep(
+    scenario: Scenario,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+    done: Mapping[int, PointResult] | None = None,
+    on_result: Callable[[int, PointResult], None] = lambda index, result: None,
+) -> SweepResult:
+    """Run every point that is not in ``done`` yet.
+
+    Kernels release the interpreter lock, so the workers are threads: over points
+    where there are several, over realizations where there is one.  ``on_result``
+    is called in this thread, as points finish.
+    """
+    jobs = jobs or default_jobs()
+    progress = progress or Silent()
+    results = dict(done or {})
+    failures: dict[int, str] = {}
+    todo = [point for point in scenario.points if point.index not in results]
+    threads_inside = jobs if len(todo) < jobs else 1
+    workers = 1 if threads_inside > 1 else jobs
+    progress.start(scenario, _expected_realizations(todo), len(results))
+    try:
+        for index, outcome in _outcomes(todo, scenario.folder, workers, threads_inside, progress):
+            if isinstance(outcome, str):
+                failures[index] = outcome
+            else:
+                results[index] = outcome
+                on_result(index, outcome)
+            progress.point_done()
+    finally:
+        progress.finish()
+    return SweepResult(dict(sorted(results.items())), dict(sorted(failures.items())))
+
+
+def _expected_realizations(points: list[Point]) -> int | None:
+    counts = [point.model.monte_carlo.realizations for point in points]
+    return None if None in counts else sum(count for count in counts if count is not None)
+
+
+def _outcomes(
+    points: list[Point], folder: Path, workers: int, threads: int, progress: Progress
+) -> Iterator[tuple[int, PointResult | str]]:
+    def run(point: Point) -> tuple[int, PointResult | str]:
+        try:
+            return point.index, _run(point, folder, threads, progress.advance)
+        except Exception as error:
+            return point.index, f"{type(error).__name__}: {error}"
+
+    if workers == 1 or len(points) == 1:
+        yield from map(run, points)
+        return
+    from joblib import Parallel, delayed
+
+    pool = Parallel(n_jobs=workers, backend="threading", return_as="generator_unordered")
+    yield from pool(delayed(run)(point) for point in points)
+
+
+def _run(
+    point: Point, folder: Path, threads: int, advance: Callable[[int], None]
+) -> PointResult:
+    settings = point.model.monte_carlo
+    problem = problem_of(point.model, folder)
+    return run_point(problem, settings, point_key(settings, point.identities), threads, advance)
