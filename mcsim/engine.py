@@ -53,7 +53,7 @@ def run_point(
     settings: MonteCarlo,
     key: int,
     threads: int = 1,
-    progress: Callable[[int], None] = lambda done: None,
+    progress: Callable[[int], None] = lambda _: None,
 ) -> PointResult:
     """Simulate one point and estimate its statistics.
 

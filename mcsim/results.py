@@ -98,15 +98,13 @@ def _table(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
         row
         for point in scenario.points
         if point.index in sweep.points
-        for row in _point_rows(point, sweep.points[point.index], scenario)
+        for row in _point_rows(point, sweep.points[point.index])
     ]
     columns = [*(axis.column for axis in scenario.axes), *COLUMNS]
     return pd.DataFrame(rows, columns=columns)
 
 
-def _point_rows(
-    point: Point, result: PointResult, scenario: Scenario
-) -> Iterator[tuple[Any, ...]]:
+def _point_rows(point: Point, result: PointResult) -> Iterator[tuple[Any, ...]]:
     estimates = result.estimates
     for i, name in enumerate(UNITS):
         missing = bool(np.isnan(result.method[i]))
@@ -147,9 +145,7 @@ def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | 
             count = outputs.tracks
         problem = problem_of(point.model, scenario.folder)
         samples = problem.n_samples + 1
-        rows += samples * (
-            outputs.tracks + outputs.history * len(UNITS) * len(HISTORY_STATISTICS)
-        )
+        rows += samples * (outputs.tracks + outputs.history * len(UNITS) * len(HISTORY_STATISTICS))
         if rows > _MOST_HISTORY_ROWS:
             raise InputError(
                 f"outputs: histories and tracks of {scenario.n_points} points would need more "
@@ -164,9 +160,7 @@ def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | 
         if outputs.history:
             histories.append(_history_frame(coordinates, history.time, history.errors[..., :count]))
         if outputs.tracks:
-            tracks.append(
-                _tracks_frame(coordinates, history, outputs.tracks)
-            )
+            tracks.append(_tracks_frame(coordinates, history, outputs.tracks))
     return (
         pd.concat(histories, ignore_index=True) if histories else None,
         pd.concat(tracks, ignore_index=True) if tracks else None,

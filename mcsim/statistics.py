@@ -87,9 +87,7 @@ def estimate(errors: Array, sigmas: float, resamples: int, key: int) -> Estimate
     return Estimates(value, low, high, degenerate)
 
 
-def _moments(
-    errors: Array, sigmas: float, resamples: int, key: int
-) -> tuple[Array, Array, Array]:
+def _moments(errors: Array, sigmas: float, resamples: int, key: int) -> tuple[Array, Array, Array]:
     """Mean, std and RMS with BCa intervals; three arrays (e, 3)."""
     from mcsim.kernels.bootstrap import resampled_sums
 

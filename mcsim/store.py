@@ -54,18 +54,16 @@ def save(results: Results, folder: Path) -> list[Path]:
                 write_whole(folder / f"{name}.parquet", _parquet_writer(table)),
             ]
         text = json.dumps(results.provenance, indent=2, ensure_ascii=False) + "\n"
-        written.append(
-            write_whole(
-                folder / PROVENANCE, lambda path: _write_text(path, text)
-            )
-        )
+        written.append(write_whole(folder / PROVENANCE, lambda path: _write_text(path, text)))
         (folder / CHECKPOINT).unlink(missing_ok=True)
     return written
 
 
 def write_whole(path: Path, write: Callable[[Path], None]) -> Path:
     """Write beside ``path`` and move into place, so that no half-written file is ever seen."""
-    descriptor, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    descriptor, name = tempfile.mkstemp(
+        prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent
+    )
     os.close(descriptor)
     beside = Path(name)
     try:
@@ -142,7 +140,9 @@ def load_results(path: str | Path) -> Results:
         provenance = json.loads((folder / PROVENANCE).read_text(encoding="utf-8"))
         scenario = Scenario.from_dict(provenance["scenario"], provenance["name"], folder)
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{folder / PROVENANCE}: not the provenance of a result ({error})") from None
+        raise InputError(
+            f"{folder / PROVENANCE}: not the provenance of a result ({error})"
+        ) from None
     extra: dict[str, Any] = {
         name: pd.read_parquet(folder / f"{name}.parquet")
         for name in _EXTRA_TABLES

@@ -75,7 +75,7 @@ def run_sweep(
     jobs: int | None = None,
     progress: Progress | None = None,
     done: Mapping[int, PointResult] | None = None,
-    on_result: Callable[[int, PointResult], None] = lambda index, result: None,
+    on_result: Callable[[int, PointResult], None] = lambda *_: None,
 ) -> SweepResult:
     """Run every point that is not in ``done`` yet.
 
@@ -127,9 +127,7 @@ def _outcomes(
     yield from pool(delayed(run)(point) for point in points)
 
 
-def _run(
-    point: Point, folder: Path, threads: int, advance: Callable[[int], None]
-) -> PointResult:
+def _run(point: Point, folder: Path, threads: int, advance: Callable[[int], None]) -> PointResult:
     settings = point.model.monte_carlo
     problem = problem_of(point.model, folder)
     return run_point(problem, settings, point_key(settings, point.identities), threads, advance)

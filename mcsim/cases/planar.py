@@ -102,7 +102,7 @@ class PlanarProblem:
         if self.missing:
             course[-1] = np.nan
         return History(
-            time=self.interval * np.arange(self.n_samples + 1),
+            time=np.arange(self.n_samples + 1, dtype=float) * self.interval,
             tracks=states[:2],
             truth=np.stack([truth.along, truth.across]),
             errors=np.stack(

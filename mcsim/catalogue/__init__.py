@@ -63,9 +63,7 @@ def find(name: str) -> Sensor:
         return by_folded[folded]
     close = difflib.get_close_matches(folded, by_folded, n=1)
     hint = f'; did you mean "{by_folded[close[0]].name}"?' if close else ""
-    raise InputError(
-        f'no sensor "{name}" in the catalogue{hint} (it holds {", ".join(sensors())})'
-    )
+    raise InputError(f'no sensor "{name}" in the catalogue{hint} (it holds {", ".join(sensors())})')
 
 
 def element(name: str, kind: str) -> Mapping[str, Any]:

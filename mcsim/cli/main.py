@@ -237,9 +237,7 @@ def _run_one(scenario: Scenario, jobs: int | None, output: Path, quiet: bool) ->
     from mcsim.store import Checkpoint
 
     try:
-        return run_scenario(
-            scenario, jobs=jobs, output=output, progress=progress_for(quiet)
-        )
+        return run_scenario(scenario, jobs=jobs, output=output, progress=progress_for(quiet))
     except KeyboardInterrupt:
         kept = len(Checkpoint.of(scenario, output / scenario.name).read())
         raise InterruptedRun(

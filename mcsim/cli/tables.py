@@ -35,9 +35,7 @@ def _line(name: str, unit: str, cells: list[str]) -> str:
 
 def sensor_list() -> str:
     """One line per built-in sensor."""
-    rows = [
-        (s.name, ", ".join(s.elements), s.description) for s in catalogue.sensors().values()
-    ]
+    rows = [(s.name, ", ".join(s.elements), s.description) for s in catalogue.sensors().values()]
     widths = [max(len(row[i]) for row in rows) for i in range(2)]
     return "\n".join(
         f"{name:<{widths[0]}}  {elements:<{widths[1]}}  {description}"

@@ -5,20 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from numpy.typing import NDArray
 
 from mcsim.store import write_whole
 
 #: Decades that a range must span to be drawn on a logarithmic axis.
-LOG_DECADES = 1.2
-MARKERS = "osD^vP*X<>"
+LOG_DECADES = 1.3
+#: Logarithmic axes of fewer decades carry plain numbers at 1, 2 and 5.
+_PLAIN_DECADES = 2.5
+MARKERS = "osD^vPX<>*"
 LINE_STYLES = ("-", "--", ":", "-.")
 _CURVE_COLOURS = ("#1b4965", "#2a9d8f", "#e9a03b", "#d1495b", "#7b4ea3", "#5c677d")
-_RC = {
+_RC: dict[Any, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 9.5,
     "axes.labelsize": 9.0,
@@ -53,7 +58,7 @@ def curve_colour(index: int, count: int) -> object:
     return mpl.colormaps["viridis"](index / (count - 1) * 0.92)
 
 
-def spans_decades(values: Sequence[float]) -> bool:
+def spans_decades(values: Sequence[float] | NDArray[np.float64]) -> bool:
     """Whether positive values range over more than ``LOG_DECADES``."""
     finite = np.asarray([v for v in values if np.isfinite(v)])
     if len(finite) < 2 or np.any(finite <= 0.0):
@@ -74,6 +79,17 @@ def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
                 lambda path: figure.savefig(path, metadata={"Date": None, "Creator": None}),
             ),
         ]
+
+
+def log_scale(axes: Axes, which: Literal["x", "y"], values: Sequence[float]) -> None:
+    """Make an axis logarithmic; over few decades its ticks carry plain numbers."""
+    axes.set(**{f"{which}scale": "log"})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    finite = np.asarray([v for v in values if np.isfinite(v) and v > 0.0])
+    if len(finite) and np.log10(finite.max() / finite.min()) < _PLAIN_DECADES:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.10g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def legend_below(figure: Figure, axes: Axes, title: str | None = None) -> None:

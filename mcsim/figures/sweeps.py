@@ -16,10 +16,11 @@ from mcsim.figures.style import (
     curve_colour,
     house_style,
     legend_below,
+    log_scale,
     spans_decades,
 )
 from mcsim.results import UNITS, Results
-from mcsim.scenario import Axis, Value
+from mcsim.scenario import Axis, Scenario, Value
 from mcsim.scenario.model import Figure as FigureModel
 from mcsim.scenario.model import Panel
 from mcsim.units import degrees
@@ -43,9 +44,11 @@ class Column:
 def draw_sweep(results: Results) -> Figure:
     """The figure of a swept scenario."""
     axes = results.scenario.axes
+    base = results.scenario.base
+    title = "\n".join(filter(None, [base.title, base.figure.title]))
     rest = [axis for axis in axes if axis.path not in _drawn_paths(results)]
     if not rest:
-        return draw_columns([Column(results)], results.scenario.base.figure.title)
+        return draw_columns([Column(results)], title)
     held = {axis.path: axis.values[0] for axis in rest[1:]}
     columns = [
         Column(
@@ -63,8 +66,7 @@ def draw_sweep(results: Results) -> Figure:
         notes.append(
             f"{_MOST_SLICES} of {len(rest[0].values)} values of {labels.path_words(rest[0].path)}"
         )
-    title = " – ".join(filter(None, [results.scenario.base.figure.title, *notes]))
-    return draw_columns(columns, title)
+    return draw_columns(columns, "\n".join(filter(None, [title, ", ".join(notes)])))
 
 
 def draw_columns(columns: list[Column], title: str | None = None) -> Figure:
@@ -81,32 +83,48 @@ def draw_columns(columns: list[Column], title: str | None = None) -> Figure:
             for unused in flat[rows:]:
                 unused.set_visible(False)
         else:
-            figure = Figure(
-                figsize=(4.4 * len(columns), 2.9 * rows + 0.8), layout="constrained"
-            )
+            figure = Figure(figsize=(4.4 * len(columns), 2.9 * rows + 0.8), layout="constrained")
             grid = figure.subplots(rows, len(columns), squeeze=False)
         if title:
             figure.suptitle(title, fontsize=11)
+        log_units = _units_that_span_decades(columns)
         families = set()
         for j, column in enumerate(columns):
             for i, panel in enumerate(panels[j]):
-                families.add(_draw_panel(grid[i, j], column, panel))
+                families.add(_draw_panel(grid[i, j], column, panel, log_units))
             for i in range(len(panels[j]), rows):
                 grid[i, j].set_visible(False)
             if column.title:
                 grid[0, j].set_title(column.title)
         _place_legends(figure, grid, families)
-        sigmas = columns[0].results.scenario.base.monte_carlo.confidence
-        figure.text(
-            1.0,
-            0.0,
-            f"bars: {labels.confidence_words(sigmas)} bootstrap intervals ",
-            ha="right",
-            va="bottom",
-            fontsize=7.5,
-            color="#6b7280",
-        )
+        _explain_marks(figure, columns[0].results.scenario)
     return figure
+
+
+def _explain_marks(figure: Figure, scenario: Scenario) -> None:
+    sigmas = scenario.base.monte_carlo.confidence
+    text = f"bars: {labels.confidence_words(sigmas)} bootstrap intervals "
+    if scenario.base.figure.method:
+        text += "\ndotted: method error, no sensor error "
+    style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 7.5, "color": "#6b7280"}
+    if figure.legends:
+        figure.text(1.0, 0.0, text, **style)
+    else:
+        # Legends stand below the panels: the text needs a line of its own.
+        figure.supxlabel(text.replace(" \n", "; "), x=1.0, **style)
+
+
+def _units_that_span_decades(columns: list[Column]) -> set[str]:
+    """Units whose errors deserve logarithmic axes somewhere; all their panels get them."""
+    units = set()
+    for column in columns:
+        figure = column.results.scenario.base.figure
+        table = _slice(column, figure.statistic)
+        for panel in figure.panels:
+            values = table[table["error"].isin(panel.errors)]["value"].to_numpy()
+            if figure.statistic != "mean" and spans_decades(values):
+                units.add(UNITS[panel.errors[0]])
+    return units
 
 
 def _place_legends(figure: Figure, grid: Any, families: set[tuple[Any, ...]]) -> None:
@@ -145,21 +163,24 @@ def _panel_axes(axes: tuple[Axis, ...], panel: Panel) -> tuple[Axis, Axis | None
     return x, curves
 
 
-def _draw_panel(axes: Axes, column: Column, panel: Panel) -> tuple[Any, ...]:
+def _draw_panel(axes: Axes, column: Column, panel: Panel, log_units: set[str]) -> tuple[Any, ...]:
     """Draw one panel; returns what its legend says."""
     scenario = column.results.scenario
     statistic = scenario.base.figure.statistic
     x_axis, curve_axis = _panel_axes(scenario.axes, panel)
     table = _slice(column, statistic)
+    method = _slice(column, "method")
     curve_values: tuple[Value | None, ...] = curve_axis.values if curve_axis else (None,)
     names = []
     for c, curve_value in enumerate(curve_values):
         for e, error in enumerate(panel.errors):
-            rows = table[table["error"] == error]
+            rows, floor = (t[t["error"] == error] for t in (table, method))
             if curve_axis is not None:
-                rows = rows[rows[curve_axis.column] == curve_value]
+                rows, floor = (t[t[curve_axis.column] == curve_value] for t in (rows, floor))
             name = _curve_name(panel, error, curve_axis, curve_value)
             names.append(name)
+            if not len(rows):
+                continue  # every point of this curve failed
             n_styles = len(curve_values) if curve_axis else len(panel.errors)
             index = c if curve_axis else e
             _draw_curve(
@@ -171,10 +192,19 @@ def _draw_panel(axes: Axes, column: Column, panel: Panel) -> tuple[Any, ...]:
                 marker=MARKERS[index % len(MARKERS)],
                 linestyle=LINE_STYLES[e % len(LINE_STYLES)] if curve_axis else "-",
             )
+            if scenario.base.figure.method:
+                axes.plot(
+                    _positions(x_axis, floor),
+                    np.abs(floor["value"].to_numpy(float)),
+                    color=curve_colour(index, n_styles),
+                    linestyle=(0, (1, 1.6)),
+                    linewidth=1.0,
+                    zorder=1.8,
+                )
     unit = UNITS[panel.errors[0]]
-    drawn = table[table["error"].isin(panel.errors)]
-    _scale(axes, x_axis, drawn["value"].to_numpy(), statistic)
-    _draw_limit(axes, scenario.base.figure, unit)
+    drawn = table[table["error"].isin(panel.errors)]["value"].to_numpy(float)
+    limit = _draw_limit(axes, scenario.base.figure, unit)
+    _scale(axes, x_axis, np.append(drawn, limit), unit in log_units)
     axes.set_xlabel(labels.axis_label(x_axis))
     axes.set_ylabel(labels.error_label(panel.errors, statistic, unit))
     title = labels.axis_label(curve_axis) if curve_axis else None
@@ -207,34 +237,49 @@ def _draw_curve(axes: Axes, x_axis: Axis, rows: pd.DataFrame, **style: Any) -> N
     value = rows["value"].to_numpy(float)
     below = np.nan_to_num(value - rows["ci_low"].to_numpy(float))
     above = np.nan_to_num(rows["ci_high"].to_numpy(float) - value)
-    x = rows[x_axis.column]
-    if not _is_numeric(x_axis):
-        x = [x_axis.values.index(v) for v in x]
     bars = np.maximum([below, above], 0.0)
-    axes.errorbar(x, value, yerr=bars, markeredgecolor="white", markeredgewidth=0.4, **style)
+    axes.errorbar(
+        _positions(x_axis, rows),
+        value,
+        yerr=bars,
+        markeredgecolor="white",
+        markeredgewidth=0.4,
+        **style,
+    )
+
+
+def _positions(x_axis: Axis, rows: pd.DataFrame) -> Any:
+    """Where the rows stand horizontally; names stand at 0, 1, 2 …"""
+    x = rows[x_axis.column]
+    return x if _is_numeric(x_axis) else [x_axis.values.index(v) for v in x]
 
 
 def _is_numeric(axis: Axis) -> bool:
     return all(isinstance(v, int | float) and not isinstance(v, bool) for v in axis.values)
 
 
-def _scale(axes: Axes, x_axis: Axis, values: Any, statistic: str) -> None:
+def _scale(axes: Axes, x_axis: Axis, values: Any, log: bool) -> None:
     """Logarithmic axes where the range spans decades; names on the ticks of plain values."""
     if not _is_numeric(x_axis):
         axes.set_xticks(range(len(x_axis.values)), [str(v) for v in x_axis.values])
-    elif x_axis.log or spans_decades([float(v) for v in x_axis.values]):
-        axes.set_xscale("log")
-    if statistic != "mean" and spans_decades(values):
-        axes.set_yscale("log")
-    elif statistic in ("std", "rms", "p95") and len(values) and np.nanmin(values) >= 0.0:
+    else:
+        x = [float(v) for v in x_axis.values]
+        if x_axis.log or spans_decades(x):
+            log_scale(axes, "x", x)
+    positive = values[values > 0.0]
+    if log and len(positive):
+        log_scale(axes, "y", positive)
+        # Method errors may fall far below; they do not decide what is in view.
+        axes.set_ylim(bottom=0.6 * positive.min())
+    elif len(values) and np.nanmin(values) >= 0.0:
         axes.set_ylim(bottom=0.0)
 
 
-def _draw_limit(axes: Axes, figure: FigureModel, unit: str) -> None:
-    """The requirement line, with its value written on it; the view widens to hold it."""
+def _draw_limit(axes: Axes, figure: FigureModel, unit: str) -> list[float]:
+    """The requirement line, with its value written on it; returns what must be in view."""
     limit = figure.limits.position if unit == "m" else figure.limits.angle
     if limit is None:
-        return
+        return []
     shown = degrees(limit) if unit == "deg" else limit
     axes.axhline(shown, color="#6b7280", linestyle=(0, (6, 3)), linewidth=1.0, zorder=1.5)
     axes.annotate(
@@ -247,4 +292,5 @@ def _draw_limit(axes: Axes, figure: FigureModel, unit: str) -> None:
         va="bottom",
         fontsize=7.5,
         color="#6b7280",
-    )
+    ).set_in_layout(False)
+    return [shown]

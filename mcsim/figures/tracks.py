@@ -24,7 +24,7 @@ def draw_over_time(results: Results) -> Figure | None:
     """Tracks and fan charts of the first point; None if the run kept neither."""
     history = _first_point(results, results.history)
     tracks = _first_point(results, results.tracks)
-    rows = []
+    rows: list[Any] = []
     if tracks is not None:
         rows.append(["tracks", "ends"])
     if history is not None:
@@ -65,11 +65,8 @@ def _title(results: Results) -> str:
 
 
 def _draw_tracks(axes: Axes, tracks: pd.DataFrame) -> None:
-    for number, track in tracks.groupby("realization"):
-        if number >= 0:
-            axes.plot(
-                track["along [m]"], track["across [m]"], color=_SAMPLE, alpha=0.35, linewidth=0.7
-            )
+    for _, track in tracks[tracks["realization"] >= 0].groupby("realization"):
+        axes.plot(track["along [m]"], track["across [m]"], color=_SAMPLE, alpha=0.35, linewidth=0.7)
     truth = tracks[tracks["realization"] == -1]
     axes.plot(truth["along [m]"], truth["across [m]"], color=_TRUTH, linewidth=1.6, label="truth")
     axes.plot([], [], color=_SAMPLE, label=f"{tracks['realization'].nunique() - 1} realizations")
@@ -106,7 +103,7 @@ def _ellipse(errors: Any, sigmas: float) -> Ellipse:
 
 
 def _draw_fan(axes: Axes, rows: pd.DataFrame, name: str) -> None:
-    by_statistic = {key: group for key, group in rows.groupby("statistic")}
+    by_statistic = dict(list(rows.groupby("statistic")))
     time = by_statistic["mean"]["time [s]"]
 
     def line(statistic: str) -> Any:

@@ -8,15 +8,17 @@ reproducible as the errors themselves.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, uint32, uint64
+from numba import uint32, uint64
+from numpy.typing import NDArray
 
-from mcsim.kernels.random import KERNEL, stream_words, xoshiro_next
+from mcsim.kernels.compilation import kernel
+from mcsim.kernels.random import stream_words, xoshiro_next
 
 _LANES = 64
 
 
-@njit(**KERNEL)
-def resampling_counts(key, counts):
+@kernel
+def resampling_counts(key: np.uint64, counts: NDArray[np.float32]) -> None:
     """Fill ``counts`` (n items, b resamples) with multinomial(n, 1/n) columns (float32)."""
     n, resamples = counts.shape
     counts[:] = 0.0
@@ -29,8 +31,10 @@ def resampling_counts(key, counts):
             counts[item, b] += np.float32(1.0)
 
 
-@njit(**KERNEL)
-def resampled_sums(counts, items, sums):
+@kernel
+def resampled_sums(
+    counts: NDArray[np.float32], items: NDArray[np.float64], sums: NDArray[np.float64]
+) -> None:
     """sums[m, b] = sum over i of counts[i, b] * items[m, i], in a fixed order.
 
     ``counts`` float32 (n, b), ``items`` float64 (m, n), ``sums`` float64 (m, b), written.

@@ -19,9 +19,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import float32, njit, uint64
+from numba import uint64
+from numpy.typing import NDArray
 
-from mcsim.kernels.random import KERNEL, SCALAR, normal_pair, stream_words, xoshiro_next
+from mcsim.kernels.compilation import kernel, scalar
+from mcsim.kernels.random import normal_pair, stream_words, xoshiro_next
+
+Array = NDArray[np.float64]
 
 LANES = 64
 #: Number of samples drawn and integrated between two visits of the state rows.
@@ -46,7 +50,7 @@ _N_STATE = 11
 HISTORY_ROWS = 5
 
 
-@njit(**SCALAR)
+@scalar
 def turn(c, s, angle):
     """Rotate the unit vector (c, s) by ``angle``; Taylor series to the 9th order.
 
@@ -58,7 +62,7 @@ def turn(c, s, angle):
     return c * cos_a - s * sin_a, s * cos_a + c * sin_a
 
 
-@njit(**SCALAR)
+@scalar
 def turn_exactly(c, s, angle):
     """Rotate the unit vector (c, s) by an angle of any size."""
     cos_a = math.cos(angle)
@@ -69,7 +73,7 @@ def turn_exactly(c, s, angle):
 def _make_steps(turn_by):
     """The two integrators' steps, with the given way of turning the heading."""
 
-    @njit(**SCALAR)
+    @scalar
     def rectangular(c, s, vl, vd, pl, pd, forward, left, angle):
         """Eq. (2), (3): new heading first, then velocity, then position."""
         c, s = turn_by(c, s, angle)
@@ -77,7 +81,7 @@ def _make_steps(turn_by):
         vd += s * forward + c * left
         return c, s, vl, vd, pl + vl, pd + vd
 
-    @njit(**SCALAR)
+    @scalar
     def trapezoidal(c, s, vl, vd, pl, pd, forward, left, angle):
         """(c, s) is the mid-interval heading, inputs are means over the interval."""
         c, s = turn_by(c, s, angle)
@@ -94,7 +98,7 @@ _rectangular, _trapezoidal = _make_steps(turn)
 _rectangular_exact, _trapezoidal_exact = _make_steps(turn_exactly)
 
 
-@njit(**SCALAR)
+@scalar
 def _seed_lanes(key, first, stream, state):
     """Put the xoshiro state of ``LANES`` realizations from ``first`` on into ``state``."""
     for j in range(LANES):
@@ -105,7 +109,7 @@ def _seed_lanes(key, first, stream, state):
         state[3, j] = s3
 
 
-@njit(**SCALAR)
+@scalar
 def _draw_constants(key, first, constants):
     """Twelve normals per lane for what a realization draws once."""
     for block in range(_N_CONSTANTS // 4):
@@ -119,7 +123,7 @@ def _draw_constants(key, first, constants):
             constants[4 * block + 3, j] = z3
 
 
-@njit(**SCALAR)
+@scalar
 def _draw_group(state, normals):
     """Twelve normals per lane: three channels of ``GROUP`` samples."""
     for j in range(LANES):
@@ -151,7 +155,7 @@ def _draw_group(state, normals):
         state[3, j] = s3
 
 
-@njit(**SCALAR)
+@scalar
 def _start(constants, deviations, initial, white, signals, interval, state):
     """State rows at sample 0, from the true state and the realization's initial errors.
 
@@ -169,16 +173,22 @@ def _start(constants, deviations, initial, white, signals, interval, state):
         state[_VD, j] = speed * math.sin(course) / interval
         state[_PL, j] = initial[0] / (interval * interval)
         state[_PD, j] = initial[1] / (interval * interval)
-        state[_FORWARD, j] = signals[0, 0] + deviations[0] * constants[0, j] + white[0] * constants[8, j]
-        state[_LEFT, j] = signals[1, 0] + deviations[1] * constants[1, j] + white[1] * constants[9, j]
-        state[_YAW_RATE, j] = signals[2, 0] + deviations[2] * constants[2, j] + white[2] * constants[10, j]
+        state[_FORWARD, j] = (
+            signals[0, 0] + deviations[0] * constants[0, j] + white[0] * constants[8, j]
+        )
+        state[_LEFT, j] = (
+            signals[1, 0] + deviations[1] * constants[1, j] + white[1] * constants[9, j]
+        )
+        state[_YAW_RATE, j] = (
+            signals[2, 0] + deviations[2] * constants[2, j] + white[2] * constants[10, j]
+        )
         state[_TURN, j] = 0.0
 
 
 def _make_advance(rectangular, trapezoidal):
     """Advance a block by one sample, with the given steps."""
 
-    @njit(**SCALAR)
+    @scalar
     def advance_rectangular(sample, k, normals, biases, signals, white, interval, state):
         f0 = signals[0, sample]
         l0 = signals[1, sample]
@@ -207,7 +217,7 @@ def _make_advance(rectangular, trapezoidal):
                 interval * yaw_rate,
             )
 
-    @njit(**SCALAR)
+    @scalar
     def advance_trapezoidal(
         sample, k, normals, biases, signals, white, interval, previous_share, state
     ):
@@ -258,21 +268,21 @@ _advance_rectangular_exactly, _advance_trapezoidal_exactly = _make_advance(
 )
 
 
-@njit(**SCALAR)
+@scalar
 def _set_biases(constants, deviations, biases):
     for channel in range(3):
         for j in range(LANES):
             biases[channel, j] = deviations[channel] * constants[channel, j]
 
 
-@njit(**SCALAR)
+@scalar
 def _wrap(angle):
     """Angle in (-pi, pi]."""
     turns = math.ceil((angle - math.pi) / (2.0 * math.pi))
     return angle - 2.0 * math.pi * turns
 
 
-@njit(**SCALAR)
+@scalar
 def _record(state, sample, start, filled, interval, history):
     for j in range(filled):
         history[0, sample, start + j] = interval * interval * state[_PL, j]
@@ -282,23 +292,23 @@ def _record(state, sample, start, filled, interval, history):
         history[4, sample, start + j] = interval * state[_YAW_SUM, j]
 
 
-@njit(**KERNEL)
+@kernel
 def simulate(
-    key,
-    first,
-    count,
-    signals,
-    white,
-    deviations,
-    initial,
-    final,
-    interval,
-    trapezoidal,
-    previous_share,
-    exact_turns,
-    errors,
-    history,
-):
+    key: np.uint64,
+    first: np.uint64,
+    count: int,
+    signals: Array,
+    white: Array,
+    deviations: Array,
+    initial: Array,
+    final: Array,
+    interval: float,
+    trapezoidal: bool,
+    previous_share: float,
+    exact_turns: bool,
+    errors: Array,
+    history: Array,
+) -> None:
     """Dead-reckon ``count`` realizations from number ``first`` on; their errors at the last sample.
 
     Parameters

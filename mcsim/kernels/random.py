@@ -20,13 +20,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import float32, int32, njit, uint32, uint64
+from numba import float32, int32, uint32, uint64
 
-#: Compilation of scalar functions: inlined into their caller by LLVM, fused
-#: multiply-add allowed (and nothing else that changes results), no checks for
-#: division by zero.  Kernels add ``nogil`` and a cache.
-SCALAR = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
-KERNEL = {"nogil": True, "cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
+from mcsim.kernels.compilation import scalar
 
 _PHILOX_M0 = np.uint64(0xD2511F53)
 _PHILOX_M1 = np.uint64(0xCD9E8D57)
@@ -78,7 +74,7 @@ _COS = tuple(
 )
 
 
-@njit(**SCALAR)
+@scalar
 def philox4x32(c0, c1, c2, c3, k0, k1):
     """Ten rounds of Philox4x32 on 32-bit values held in uint64; four words back."""
     for _ in range(10):
@@ -93,7 +89,7 @@ def philox4x32(c0, c1, c2, c3, k0, k1):
     return c0, c1, c2, c3
 
 
-@njit(**SCALAR)
+@scalar
 def stream_words(key, realization, stream, block):
     """The four 32-bit words of one block of a realization's stream.
 
@@ -110,12 +106,12 @@ def stream_words(key, realization, stream, block):
     return uint32(w0), uint32(w1), uint32(w2), uint32(w3)
 
 
-@njit(**SCALAR)
+@scalar
 def _rotate_left(x, k):
     return uint32(x << uint32(k)) | uint32(x >> uint32(32 - k))
 
 
-@njit(**SCALAR)
+@scalar
 def xoshiro_next(s0, s1, s2, s3):
     """One step of xoshiro128++: the output word and the four words of the new state."""
     word = uint32(_rotate_left(uint32(s0 + s3), 7) + s0)
@@ -129,7 +125,7 @@ def xoshiro_next(s0, s1, s2, s3):
     return word, s0, s1, s2, s3
 
 
-@njit(**SCALAR)
+@scalar
 def minus_two_log(word):
     """-2 ln(u) in float32 for u = (word + 1/2) / 2^32."""
     u = np.float32(float32(word) * _TWO_POW_MINUS_32 + _TWO_POW_MINUS_33)
@@ -151,7 +147,7 @@ def minus_two_log(word):
     return float32(-2.0) * log_u
 
 
-@njit(**SCALAR)
+@scalar
 def normal_pair(word_radius, word_angle):
     """Two independent standard normals (float32) from two 32-bit words (Box-Muller).
 

@@ -102,9 +102,7 @@ def _read_axis(document: Document, model: type[BaseModel], path: str, given: Any
             try:
                 Range.model_validate(given)
             except ValidationError as inner:
-                raise InputError(
-                    describe(inner, document, Range, ("sweep", path))
-                ) from None
+                raise InputError(describe(inner, document, Range, ("sweep", path))) from None
         raise InputError(
             f"{place}: write a list of values, or {{from: …, to: …, points: …, scale: linear}}"
         ) from error
@@ -163,9 +161,7 @@ def _unit_of(value: Value, kind: Kind) -> str:
     if isinstance(value, str):
         _si(value, kind)
         return split(value)[1]
-    raise InputError(
-        f'{value} has no unit; write for example "{value} {split(kind.example)[1]}"'
-    )
+    raise InputError(f'{value} has no unit; write for example "{value} {split(kind.example)[1]}"')
 
 
 def _si(value: str, kind: Kind) -> float:

@@ -142,7 +142,7 @@ class _Plain:
             f"a plain text or number is needed here (write quotes around it)"
         )
 
-    def _mapping(self, node: dict[Any, Any], path: PathKey, line: int) -> dict[str, Any]:
+    def _mapping(self, node: Any, path: PathKey, line: int) -> dict[str, Any]:
         plain = {}
         for key, item in node.items():
             name = str(key)
@@ -152,7 +152,8 @@ class _Plain:
 
 def _line_of(node: Any, key: Any, default: int) -> int:
     try:
-        position = node.lc.key(key) if isinstance(node, dict) else node.lc.item(key)
+        lines: Any = node.lc
+        position = lines.key(key) if isinstance(node, dict) else lines.item(key)
         return int(position[0]) + 1
     except (AttributeError, KeyError, TypeError, IndexError):
         return default

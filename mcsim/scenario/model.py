@@ -397,13 +397,14 @@ class Figure(Block):
     """How the sweep is drawn."""
 
     title: str | None = None
+    """Second line of the title; heads the column where figures stand side by side."""
+    method: bool = False
+    """Also draw, dotted, the error that sampling and integration alone make."""
     statistic: Literal["mean", "std", "rms", "p50", "p95"] = "rms"
     panels: Annotated[tuple[Panel, ...], Len(1, 12)] = tuple(
         Panel(errors=(name,)) for name in ("along", "across", "heading", "course")
     )
     limits: Limits = Limits()
-
-
 
 
 class PlanarScenario(Block):

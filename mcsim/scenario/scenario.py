@@ -164,7 +164,8 @@ def _case(document: Document) -> type[PlanarScenario]:
     case = document.tree.get("case")
     if case is None:
         raise InputError(
-            f"{document.place(())}: case: is missing; write `case: planar` (known: {', '.join(CASES)})"
+            f"{document.place(())}: case: is missing; write `case: planar` "
+            f"(known: {', '.join(CASES)})"
         )
     if not isinstance(case, str) or case not in CASES:
         raise InputError(
@@ -196,7 +197,13 @@ def _override(
         else:
             keys = split_path(path)
             known = {name.replace("*", "0") for name in scalars(model)}
-            if keys[0] not in {*(k.split(".")[0] for k in known), "title", "outputs", "figure", "sweep"}:
+            if keys[0] not in {
+                *(k.split(".")[0] for k in known),
+                "title",
+                "outputs",
+                "figure",
+                "sweep",
+            }:
                 raise InputError(
                     f"{option}: the scenario has nothing of that name{suggest(path, known)}"
                 )

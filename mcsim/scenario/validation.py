@@ -131,8 +131,7 @@ def _field(loc: tuple[str | int, ...], model: Any) -> Any:
         tagged = [
             m
             for m in current
-            if "shape" in m.model_fields
-            and key in get_args(m.model_fields["shape"].annotation)
+            if "shape" in m.model_fields and key in get_args(m.model_fields["shape"].annotation)
         ]
         if tagged:
             current = tagged

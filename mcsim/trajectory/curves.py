@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -49,12 +50,7 @@ class _Cumulative:
     def __init__(self, function: Callable[[Array], Array], pieces: Array) -> None:
         self.function = function
         self.knots = np.unique(
-            np.concatenate(
-                [
-                    np.linspace(a, b, _PANELS_PER_PIECE + 1)
-                    for a, b in zip(pieces[:-1], pieces[1:], strict=True)
-                ]
-            )
+            np.concatenate([np.linspace(a, b, _PANELS_PER_PIECE + 1) for a, b in pairwise(pieces)])
         )
         panels = self._panel(self.knots[:-1], self.knots[1:])
         self.at_knots = np.concatenate([[0.0], np.cumsum(panels)])

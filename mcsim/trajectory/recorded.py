@@ -69,7 +69,8 @@ class RecordedManoeuvre:
             self._velocity = x.derivative(), y.derivative()
             self._position = x, y
         else:
-            assert record.velocity_x is not None and record.velocity_y is not None
+            assert record.velocity_x is not None
+            assert record.velocity_y is not None
             self._velocity = (
                 _smooth(record.time, record.velocity_x, smoothing),
                 _smooth(record.time, record.velocity_y, smoothing),
@@ -151,7 +152,7 @@ def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
         return None if values is None else values[keep]
 
     t = t[keep]
-    manoeuvre = RecordedManoeuvre(
+    return RecordedManoeuvre(
         Record(
             t - t[0],
             cut(record.x),
@@ -162,7 +163,6 @@ def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
         ),
         shape.smoothing,
     )
-    return manoeuvre
 
 
 def read_record(path: Path, columns: Columns, compass: bool) -> Record:
@@ -193,7 +193,10 @@ def read_record(path: Path, columns: Columns, compass: bool) -> Record:
         raise InputError(f"{path}: {len(time)} rows; at least {_FEWEST_ROWS} are needed")
     time, values = _in_order(path, time, values)
     x, y = _position(values)
-    turn = (lambda a: np.pi / 2.0 - a) if compass else (lambda a: a)
+
+    def turn(angle: Array) -> Array:
+        return np.pi / 2.0 - angle if compass else angle
+
     velocity_x = velocity_y = None
     if "course" in values:
         course = turn(values["course"])
@@ -223,7 +226,8 @@ def _column(table, path: Path, role: str, spec: str) -> Array:  # type: ignore[n
     if not separator:
         example = KINDS[_KIND_OF[role]].example.split()[1]
         raise InputError(
-            f'trajectory.columns.{role}: "{spec}" has no unit; write for example "{spec} in {example}"'
+            f'trajectory.columns.{role}: "{spec}" has no unit; '
+            f'write for example "{spec} in {example}"'
         )
     try:
         scale = factor(unit.strip(), KINDS[_KIND_OF[role]], spec)
@@ -248,9 +252,7 @@ def _column(table, path: Path, role: str, spec: str) -> Array:  # type: ignore[n
     return numbers * scale
 
 
-def _in_order(
-    path: Path, time: Array, values: dict[str, Array]
-) -> tuple[Array, dict[str, Array]]:
+def _in_order(path: Path, time: Array, values: dict[str, Array]) -> tuple[Array, dict[str, Array]]:
     """Drop rows that repeat a time stamp; refuse stamps that run backwards."""
     steps = np.diff(time)
     if np.any(steps < 0.0):
