@@ -6,8 +6,9 @@ the resampled statistic, corrected for bias and acceleration.  A thousand
 resamples do not resolve a quantile at 3 sigma, so their distribution is described
 by its mean, deviation and skewness (Cornish-Fisher), which they do resolve.
 
-The bootstrap distribution of a sample quantile is known in closed form (a
-binomial one), so percentiles need no resampling.
+The bootstrap distribution of a sample quantile is known in closed form; percentiles
+need no resampling, and get the order statistics that bound them with the asked
+confidence (Hahn & Meeker, *Statistical Intervals*, sect. 5.2).
 
 Beyond ``MOST_ITEMS`` realizations, equal groups of realizations are resampled
 instead of single ones: for means of independent errors that is the same to first
@@ -185,19 +186,20 @@ def _bca(value: Array, resampled: Array, acceleration: Array, sigmas: float) -> 
 
 
 def _quantiles(errors: Array, sigmas: float) -> tuple[Array, Array, Array]:
-    """Percentiles of one error and the exact percentile-bootstrap intervals of each."""
-    from scipy.special import betaincinv, ndtr
+    """Percentiles of one error with distribution-free intervals.
+
+    The number of errors below the true p-quantile is binomial(n, p), whatever the
+    distribution: so the order statistics at its quantiles bound the p-quantile.
+    """
+    from scipy.special import bdtrik, ndtr
 
     ordered = np.sort(errors)
     n = len(ordered)
     values, lows, highs = [], [], []
     for _, p in _PERCENTILES:
-        k = min(max(int(np.ceil(p * n)), 1), n)
-        # P(k-th of a resample <= x_(j)) = I_{j/n}(k, n - k + 1)
-        j_low = int(np.ceil(n * betaincinv(k, n - k + 1, ndtr(-sigmas))))
-        j_high = int(np.ceil(n * betaincinv(k, n - k + 1, ndtr(sigmas))))
+        below_low, below_high = np.ceil(np.nan_to_num(bdtrik(ndtr([-sigmas, sigmas]), n, p)))
         value = float(np.quantile(ordered, p))
         values.append(value)
-        lows.append(min(ordered[min(max(j_low, 1), n) - 1], value))
-        highs.append(max(ordered[min(max(j_high, 1), n) - 1], value))
+        lows.append(min(ordered[max(int(below_low), 1) - 1], value))
+        highs.append(max(ordered[min(int(below_high) + 1, n) - 1], value))
     return np.array(values), np.array(lows), np.array(highs)

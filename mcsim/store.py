@@ -115,9 +115,9 @@ def load(path: str | Path) -> pd.DataFrame:
     file = _table_file(Path(path))
     try:
         if file.suffix == ".csv":
-            table = pd.read_csv(file, float_precision="round_trip")
+            table = pd.read_csv(file, engine="pyarrow")  # reads floats exactly
             if "note" in table:
-                table["note"] = table["note"].fillna("")
+                table["note"] = table["note"].astype(object).fillna("").astype(str)
             return table
         return pd.read_parquet(file)
     except (OSError, ValueError) as error:

@@ -14,7 +14,7 @@ DENSE_RATE = 1000.0
 #: Half-length of the FIR filter, in sensor samples.
 FIR_HALF_LENGTH = 10
 #: How far the IIR filter's response is followed, in sensor samples.
-IIR_HALF_LENGTH = 60
+IIR_HALF_LENGTH = 100
 _IIR_ORDER, _IIR_RIPPLE_DB, _IIR_CUTOFF = 8, 0.05, 0.8
 #: Least number of dense steps in an averaged interval.
 _FEWEST_AVERAGED = 8

@@ -1,0 +1,80 @@
+"""Shared scenarios."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mcsim import Scenario
+from mcsim.cases import problem_of
+
+BASE: dict[str, Any] = {
+    "case": "planar",
+    "trajectory": {
+        "shape": "half_cosine",
+        "length": "50 m",
+        "width": "5 m",
+        "speed": "20 m/s",
+        "deceleration": "0 m/s^2",
+        "lead": "100 ms",
+    },
+    "sensors": {
+        "rate": "100 Hz",
+        "sampling": "fir",
+        "accelerometer": {"noise_density": "2.2e-3 m/s^2/√Hz", "miscalibration": "0 m/s^2"},
+        "gyroscope": {"noise_density": "3.0e-2 °/s/√Hz", "miscalibration": "0 °/s"},
+    },
+    "initial": {"speed_error": "0 m/s", "direction_error": "0 °"},
+    "monte_carlo": {"realizations": 1000, "seed": 1, "confidence": "3 sigma"},
+}
+ALL_ERRORS = {
+    "sensors.accelerometer.miscalibration": "0.01 m/s^2",
+    "sensors.gyroscope.miscalibration": "0.1 °/s",
+    "initial.speed_error": "0.01 m/s",
+    "initial.direction_error": "0.1 °",
+}
+NO_NOISE = {
+    "sensors.accelerometer.noise_density": "0 m/s^2/√Hz",
+    "sensors.gyroscope.noise_density": "0 °/s/√Hz",
+}
+
+
+def scenario(overrides: dict[str, Any] | None = None, **more: Any) -> Scenario:
+    """The base scenario with some values replaced."""
+    return Scenario.from_dict(copy.deepcopy(BASE), "base", overrides={**(overrides or {}), **more})
+
+
+def problem(overrides: dict[str, Any] | None = None, folder: Path = Path()):
+    """The planar problem of the base scenario with some values replaced."""
+    return problem_of(scenario(overrides).base, folder)
+
+
+@pytest.fixture
+def scenario_file(tmp_path):
+    """Writes a YAML scenario and returns its path."""
+
+    def write(text: str, name: str = "case.yaml") -> Path:
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+BASE_YAML = """\
+case: planar
+trajectory: {shape: half_cosine, length: 50 m, width: 5 m, speed: 20 m/s, deceleration: 0 m/s^2}
+sensors:
+  rate: 100 Hz
+  sampling: fir
+  accelerometer: {noise_density: 2.2e-3 m/s^2/√Hz, miscalibration: 0 m/s^2}
+  gyroscope: {noise_density: 3.0e-2 °/s/√Hz, miscalibration: 0 °/s}
+initial: {speed_error: 0 m/s, direction_error: 0 °}
+monte_carlo: {realizations: 200, seed: 1, confidence: 3 sigma}
+sweep:
+  sensors.accelerometer.noise_density: [1e-3 m/s^2/√Hz, 1e-2 m/s^2/√Hz]
+  sensors.gyroscope.noise_density: [0.03 °/s/√Hz, 0.3 °/s/√Hz]
+"""

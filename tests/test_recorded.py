@@ -1,0 +1,166 @@
+"""Recorded drives: made here with known truth, jitter, repeats and noise."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mcsim import Scenario
+from mcsim.cases import problem_of
+from mcsim.errors import InputError
+from mcsim.trajectory import drive_of
+from mcsim.trajectory.recorded import local_position
+
+RADIUS, SPEED = 60.0, 12.0
+EARTH = 6371e3
+COLUMNS = {"time": "t in ms", "x": "x in m", "y": "y in m"}
+
+
+def circle(t):
+    """A vehicle on a circle, heading north-east at first."""
+    angle = SPEED * t / RADIUS + math.pi / 4
+    return RADIUS * np.sin(angle), -RADIUS * np.cos(angle), angle
+
+
+def write_circle(folder: Path, noise: float = 0.0, fix_every: int = 5) -> Path:
+    """50 Hz rows with jittery stamps; positions repeat between fixes, as receivers do."""
+    rng = np.random.default_rng(3)
+    t = np.arange(0, 20, 0.02) + rng.uniform(-0.008, 0.008, 1000)
+    t[0] = 0.0
+    held = t[(np.arange(1000) // fix_every) * fix_every]
+    x, y, angle = circle(held)
+    fix_noise = noise * rng.standard_normal((2, 1000 // fix_every)).repeat(fix_every, axis=1)
+    x, y = x + fix_noise[0], y + fix_noise[1]
+    _, _, angle = circle(t)
+    compass = np.degrees(np.pi / 2 - angle) % 360
+    path = folder / "drive.csv"
+    rows = ["t,x,y,course,speed,note"]
+    rows += [
+        f"{1e3 * a + 5e4:.4f},{b:.6f},{c:.6f},{d:.6f},{3.6 * SPEED},ok"
+        for a, b, c, d in zip(t, x, y, compass, strict=True)
+    ]
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+def recorded(folder: Path, **trajectory) -> Scenario:
+    return Scenario.from_dict(
+        {
+            "case": "planar",
+            "trajectory": {
+                "shape": "recorded",
+                "file": "drive.csv",
+                "columns": COLUMNS,
+                "smoothing": "0.3 s",
+                **trajectory,
+            },
+            "sensors": {"rate": "100 Hz", "accelerometer": "LSM330DL", "gyroscope": "LSM330DL"},
+            "monte_carlo": {"realizations": 100},
+        },
+        folder=folder,
+    )
+
+
+def test_a_noisy_jittery_record_gives_back_its_circle(tmp_path):
+    write_circle(tmp_path, noise=0.1)
+    drive = drive_of(recorded(tmp_path).base.trajectory, tmp_path)
+    t = np.linspace(2, 17, 500)
+    motion = drive.motion(t)
+    # 10 Hz fixes of 0.1 m, smoothed over 0.3 s: speed to some 0.1 m/s, yaw rate to some 1 °/s.
+    assert np.mean(motion.speed) == pytest.approx(SPEED, rel=0.005)
+    assert np.std(motion.speed) < 0.3
+    assert np.mean(motion.left) == pytest.approx(SPEED**2 / RADIUS, rel=0.02)
+    assert np.mean(motion.yaw_rate) == pytest.approx(SPEED / RADIUS, rel=0.02)
+
+
+def test_the_undisturbed_reconstruction_returns_to_the_smoothed_track(tmp_path):
+    write_circle(tmp_path, noise=0.1)
+    s = recorded(tmp_path).with_values({"reconstruction.integration": "trapezoidal"})
+    along, across, *_ = problem_of(s.base, tmp_path).method_errors()
+    # Half a kilometre in 20 s; sampling and integration alone lose less than a centimetre.
+    assert math.hypot(along, across) < 0.01
+
+
+def test_speed_and_course_serve_instead_of_positions(tmp_path):
+    write_circle(tmp_path)
+    s = recorded(
+        tmp_path,
+        columns={"time": "t in ms", "speed": "speed in km/h", "course": "course in deg"},
+    )
+    drive = drive_of(s.base.trajectory, tmp_path)
+    motion = drive.motion(np.linspace(2, 17, 100))
+    np.testing.assert_allclose(motion.speed, SPEED, rtol=2e-3)
+    np.testing.assert_allclose(motion.yaw_rate, SPEED / RADIUS, rtol=2e-2)
+
+
+def test_a_recorded_heading_gives_the_side_slip(tmp_path):
+    write_circle(tmp_path)
+    s = recorded(tmp_path, columns={**COLUMNS, "heading": "course in deg"})
+    motion = drive_of(s.base.trajectory, tmp_path).motion(np.linspace(2, 17, 100))
+    slip = np.angle(np.exp(1j * (motion.course - motion.heading)))
+    # Positions are held for up to 80 ms after their fix, so the course lags the heading a little.
+    assert np.abs(slip).max() < math.radians(3)
+
+
+def test_start_and_duration_cut_the_drive(tmp_path):
+    write_circle(tmp_path)
+    s = recorded(tmp_path, start="5 s", duration="4 s")
+    drive = drive_of(s.base.trajectory, tmp_path)
+    assert drive.manoeuvre.duration == pytest.approx(4.0, abs=0.05)
+
+
+def test_geographic_positions_become_metres():
+    """One minute of arc is a nautical mile (1852 m) to half a percent."""
+    latitude = np.radians([50.0, 50.0 + 1 / 60])
+    x, y = local_position(latitude, np.radians([13.0, 13.0]))
+    assert y[1] == pytest.approx(1852, rel=5e-3)
+    assert x[1] == 0.0
+    x, _ = local_position(np.radians([50.0, 50.0]), np.radians([13.0, 13.0 + 1 / 60]))
+    assert x[1] == pytest.approx(1852 * math.cos(math.radians(50)), rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda text: text.replace("t,x,y", "t,x,z"), 'no column "y" for y'),
+        (lambda text: text.replace("\n5", "\nfive", 3), "where a finite number is needed"),
+        (lambda _: "t,x,y\n1,2,3\n", "rows; at least 8 are needed"),
+        (lambda _: "", "not a CSV table"),
+    ],
+)
+def test_bad_files_are_explained(tmp_path, change, message):
+    path = write_circle(tmp_path)
+    path.write_text(change(path.read_text()))
+    with pytest.raises(InputError, match=message):
+        drive_of(recorded(tmp_path).base.trajectory, tmp_path)
+
+
+def test_time_that_runs_backwards_is_explained_with_its_line(tmp_path):
+    path = write_circle(tmp_path)
+    lines = path.read_text().splitlines()
+    lines[10], lines[11] = lines[11], lines[10]
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"drive.csv:12: the time runs backwards"):
+        drive_of(recorded(tmp_path).base.trajectory, tmp_path)
+
+
+def test_a_missing_file_is_explained(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        drive_of(recorded(tmp_path).base.trajectory, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"time": "t in ms"}, "exactly one pair"),
+        ({"time": "t in ms", "x": "x in m"}, "`y` is missing"),
+        ({**COLUMNS, "speed": "v in m/s", "course": "c in deg"}, "exactly one pair"),
+        ({**COLUMNS, "time": "t"}, "has no unit"),
+        ({**COLUMNS, "time": "t in m"}, "a time is needed"),
+    ],
+)
+def test_bad_columns_are_explained(tmp_path, columns, message):
+    write_circle(tmp_path)
+    with pytest.raises(InputError, match=message):
+        drive_of(recorded(tmp_path, columns=columns).base.trajectory, tmp_path)

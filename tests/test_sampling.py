@@ -1,0 +1,64 @@
+"""The four ways of sampling against scipy and closed forms."""
+
+import numpy as np
+import pytest
+from scipy.signal import decimate
+
+from mcsim.sensors.sampling import oversampling, sample
+from tests.conftest import problem
+
+
+def sine(t):
+    return np.stack([np.sin(2 * np.pi * 3.0 * t), np.cos(2 * np.pi * 1.5 * t)])
+
+
+@pytest.mark.parametrize(
+    ("rate", "factor"), [(100, 10), (20, 50), (1000, 1), (1344, 1), (600, 2), (333, 3)]
+)
+def test_dense_step_is_the_nearest_to_a_millisecond(rate, factor):
+    assert oversampling(rate) == factor
+
+
+@pytest.mark.parametrize("method", ["fir", "iir"])
+@pytest.mark.parametrize("rate", [50.0, 100.0, 250.0])
+def test_filters_equal_scipys_decimate(method, rate):
+    """In the middle of a long record, where decimate's own edges are far away."""
+    count = 400
+    ours = sample(sine, 0.0, rate, count, method)
+    factor = oversampling(rate)
+    dense = sine(np.arange(-300 * factor, (count + 300) * factor + 1) / (rate * factor))
+    theirs = decimate(dense, factor, ftype=method, zero_phase=True)[:, 300 : 300 + count + 1]
+    if method == "iir":
+        # scipy leaves the ripple of the even-order filter in the pass-band; we normalise it.
+        theirs = theirs * 10 ** (2 * 0.05 / 20)
+    np.testing.assert_allclose(ours, theirs, atol=1e-9)
+
+
+def test_momentary_values_are_the_signal():
+    ours = sample(sine, 0.3, 100.0, 50, "none")
+    np.testing.assert_array_equal(ours, sine(0.3 + np.arange(51) / 100.0))
+
+
+def test_average_is_the_mean_over_the_interval_before():
+    ours = sample(sine, 0.0, 100.0, 50, "average")
+    t = np.arange(51) / 100.0
+    w = 2 * np.pi * 3.0
+    exact = -(np.cos(w * t) - np.cos(w * (t - 0.01))) / w / 0.01
+    np.testing.assert_allclose(ours[0], exact, atol=5e-5)
+
+
+@pytest.mark.parametrize("method", ["fir", "iir", "none", "average"])
+@pytest.mark.parametrize("rate", [37.0, 100.0, 1000.0])
+def test_a_constant_stays_itself(method, rate):
+    ours = sample(lambda t: np.full((1, len(t)), 2.5), 0.0, rate, 30, method)
+    # The IIR filter's ends see its truncated past: a few parts in a million.
+    np.testing.assert_allclose(ours, 2.5, rtol=1e-9 if method != "iir" else 1e-5)
+
+
+@pytest.mark.parametrize("rate", ["50 Hz", "100 Hz", "200 Hz"])
+def test_the_sampling_rate_never_changes_the_track(rate):
+    """At 50 Hz the filter reaches 200 ms; the reconstruction still covers the stated leads."""
+    p = problem({"sensors.rate": rate})
+    assert p.truth.along[0] == pytest.approx(-2.0)
+    duration = p.n_samples * p.interval
+    assert 2.71 - 0.02 < duration < 2.73
