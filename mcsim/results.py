@@ -30,6 +30,8 @@ UNITS = {"along": "m", "across": "m", "position": "m", "heading": "deg", "course
 HISTORY_STATISTICS = ("mean", "std", "rms", "p05", "p50", "p95")
 #: Realizations that histories are estimated from, at most.
 HISTORY_REALIZATIONS = 4000
+#: Long drives have smaller ensembles, so that histories fit in memory (samples x realizations).
+_MOST_HISTORY_STATES, _FEWEST_HISTORY_REALIZATIONS = 3_000_000, 200
 _MOST_HISTORY_ROWS = 20_000_000
 
 
@@ -140,11 +142,15 @@ def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | 
     histories, tracks, rows = [], [], 0
     for point in scenario.points:
         settings = point.model.monte_carlo
-        count = min(settings.realizations or HISTORY_REALIZATIONS, HISTORY_REALIZATIONS)
-        if not outputs.history:
-            count = outputs.tracks
         problem = problem_of(point.model, scenario.folder)
         samples = problem.n_samples + 1
+        count = min(
+            settings.realizations or HISTORY_REALIZATIONS,
+            HISTORY_REALIZATIONS,
+            max(_FEWEST_HISTORY_REALIZATIONS, _MOST_HISTORY_STATES // samples),
+        )
+        if not outputs.history:
+            count = outputs.tracks
         rows += samples * (outputs.tracks + outputs.history * len(UNITS) * len(HISTORY_STATISTICS))
         if rows > _MOST_HISTORY_ROWS:
             raise InputError(

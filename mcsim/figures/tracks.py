@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 _TRUTH, _SAMPLE, _BAND = "#d1495b", "#2a9d8f", "#1b4965"
 _FEWEST_ENDS = 10
+#: Tracks more elongated than this are not drawn true to scale.
+_LONGEST_TRUE_TO_SCALE = 4.0
 
 
 def draw_over_time(results: Results) -> Figure | None:
@@ -69,6 +71,9 @@ def _draw_tracks(axes: Axes, tracks: pd.DataFrame) -> None:
         axes.plot(track["along [m]"], track["across [m]"], color=_SAMPLE, alpha=0.35, linewidth=0.7)
     truth = tracks[tracks["realization"] == -1]
     axes.plot(truth["along [m]"], truth["across [m]"], color=_TRUTH, linewidth=1.6, label="truth")
+    span = np.ptp(tracks[["along [m]", "across [m]"]].to_numpy(), axis=0)
+    if span.min() * _LONGEST_TRUE_TO_SCALE > span.max():
+        axes.set_aspect("equal", adjustable="datalim")
     axes.plot([], [], color=_SAMPLE, label=f"{tracks['realization'].nunique() - 1} realizations")
     axes.set_xlabel("along [m]")
     axes.set_ylabel("across [m]")

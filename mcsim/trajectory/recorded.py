@@ -38,6 +38,8 @@ _FEWEST_ROWS = 8
 _REPEATED_FIX = 0.5
 #: Below this speed the direction of movement says nothing (m/s).
 _STANDSTILL = 0.1
+#: Below this speed the course is bridged; above the second one it is fully trusted (m/s).
+_MOVING, _SURE_COURSE = 1.0, 5.0
 #: WGS 84 ellipsoid.
 _SEMI_MAJOR, _FLATTENING = 6378137.0, 1 / 298.257223563
 
@@ -92,10 +94,11 @@ class RecordedManoeuvre:
         t = np.linspace(0.0, self.duration, math.ceil(self.duration / step) + 1)
         vx, vy = (v(t) for v in self._velocity)
         speed = np.hypot(vx, vy)
-        weight = np.clip(speed / 2.0, 1e-3, 1.0) ** 2
+        # The noise of a course goes with 1 / speed, so its weight with speed squared.
+        weight = np.clip(speed / _SURE_COURSE, 1e-2, 1.0) ** 2
         course = np.arctan2(vy, vx)
-        moving = speed > _STANDSTILL
-        if not np.any(moving):
+        moving = speed > min(_MOVING, 0.5 * float(speed.max()))
+        if speed.max() < _STANDSTILL:
             raise InputError("trajectory.file: the vehicle never moves in this record")
         unwrapped = np.interp(t, t[moving], np.unwrap(course[moving]))
         return _smooth(t, unwrapped, smoothing / 2.0, weight)
