@@ -7,40 +7,41 @@ from typing import Any
 from mcsim import catalogue
 from mcsim.results import Results
 
+_SUMMARY = ("mean", "std", "rms", "p95", "method")
 _QUANTITIES = {"range": "range", "noise_density": "noise density", "rate": "largest rate"}
 
 
 def summary(results: Results) -> str:
-    """Estimates of a single run, one line per error."""
+    """Estimates of a single run, one line per error, intervals in brackets."""
     table = results.table
-    statistics = ["mean", "std", "rms", "p95", "method"]
-    lines = [_line("error", "unit", statistics)]
-    for name, rows in table.groupby("error", sort=False):
-        by_statistic = rows.set_index("statistic")
-        cells = []
-        for statistic in statistics:
+    rows = [["error", "unit", *_SUMMARY]]
+    for name, estimates in table.groupby("error", sort=False):
+        by_statistic = estimates.set_index("statistic")
+        rows.append([str(name), str(estimates["unit"].iloc[0])])
+        for statistic in _SUMMARY:
             row = by_statistic.loc[statistic]
-            text = f"{row['value']:.4g}"
-            if statistic != "method":
-                text += f" [{row['ci_low']:.3g}, {row['ci_high']:.3g}]"
-            cells.append(text)
-        lines.append(_line(str(name), str(rows["unit"].iloc[0]), cells))
-    lines.append(f"{int(table['realizations'].iloc[0]):,} realizations")
-    return "\n".join(lines)
-
-
-def _line(name: str, unit: str, cells: list[str]) -> str:
-    return f"{name:<9} {unit:<4} " + " ".join(f"{cell:<27}" for cell in cells).rstrip()
+            interval = f" [{row['ci_low']:.3g}, {row['ci_high']:.3g}]"
+            rows[-1].append(f"{row['value']:.3g}" + interval * (statistic != "method"))
+    count = int(table["realizations"].iloc[0])
+    return "\n".join([*_columns(rows), f"{count:,} realizations"])
 
 
 def sensor_list() -> str:
     """One line per built-in sensor."""
-    rows = [(s.name, ", ".join(s.elements), s.description) for s in catalogue.sensors().values()]
-    widths = [max(len(row[i]) for row in rows) for i in range(2)]
     return "\n".join(
-        f"{name:<{widths[0]}}  {elements:<{widths[1]}}  {description}"
-        for name, elements, description in rows
+        _columns(
+            [[s.name, ", ".join(s.elements), s.description] for s in catalogue.sensors().values()]
+        )
     )
+
+
+def _columns(rows: list[list[str]]) -> list[str]:
+    """Lines with the cells of each column padded to the same width."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
 
 
 def sensor_details(name: str) -> str:
