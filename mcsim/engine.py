@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 
 from mcsim.cases import Problem
 from mcsim.scenario.model import MonteCarlo
-from mcsim.statistics import ESTIMATED, Estimates, estimate
+from mcsim.statistics import ESTIMATED, KEPT, Collector, Estimates, Reference, estimate
 
 Array = NDArray[np.float64]
 
 #: Realizations simulated at once; small enough for prompt progress and interruption.
 CHUNK = 4096
+#: With fewer realizations the fitted coefficients of control variates would pretend
+#: a precision that is not there; the plain estimator serves them.
+FEWEST_CONTROLLED = 100
 _FIRST_COUNT = 1000
 _RMS = ESTIMATED.index("rms")
 
@@ -61,12 +64,13 @@ def run_point(
     ``progress`` is called with the number of realizations just finished.
     """
     bootstrap_key = random_key(settings.seed, "bootstrap")
-    errors = np.empty((len(problem.error_names), 0))
     count = settings.realizations or min(_FIRST_COUNT, settings.max_realizations)
     notes = dict(problem.missing)
+    reference = _reference(problem, settings, count)
     while True:
-        errors = _extend(errors, problem, key, count, threads, progress)
-        estimates = estimate(errors, settings.confidence, settings.resamples, bootstrap_key)
+        collector = Collector(count, reference)
+        _fill(collector, problem, key, threads, progress)
+        estimates = estimate(collector, settings.confidence, settings.resamples, bootstrap_key)
         if settings.precision is None:
             break
         wider = _widest(estimates) / settings.precision
@@ -84,37 +88,46 @@ def run_point(
     return PointResult(estimates, problem.method_errors(), count, notes)
 
 
-def _extend(
-    errors: Array,
+def _reference(problem: Problem, settings: MonteCarlo, count: int) -> Reference:
+    """What the estimator may use: the method errors, and the linear model's moments."""
+    method = problem.method_errors()
+    if settings.estimator == "plain" or count < FEWEST_CONTROLLED:
+        return Reference(method)
+    linear = problem.linear
+    return Reference(method, linear.mean, linear.second_moment)
+
+
+def _fill(
+    collector: Collector,
     problem: Problem,
     key: int,
-    count: int,
     threads: int,
     progress: Callable[[int], None],
-) -> Array:
-    """The errors of ``count`` realizations, of which ``errors`` holds the first ones."""
-    done = errors.shape[1]
-    result = np.empty((errors.shape[0], count))
-    result[:, :done] = errors
-    starts = range(done, count, CHUNK)
+) -> None:
+    """Simulate all realizations of a collector, in chunks over threads."""
+    count = collector.count
+    chunk = max(CHUNK, collector.cell)
+    with_controls = collector.reference.mean is not None
 
     def simulate(start: int) -> None:
-        size = min(CHUNK, count - start)
-        result[:, start : start + size] = problem.simulate(key, start, size)
+        size = min(chunk, count - start)
+        sample = problem.simulate(key, start, size, controls=with_controls)
+        collector.add(start, sample.errors, sample.controls)
         progress(size)
 
-    if threads == 1 or len(starts) == 1:
-        for start in starts:
-            simulate(start)
-    else:
+    # The kept realizations come first: percentiles of the others are sought near theirs.
+    for part in (range(0, min(count, KEPT), chunk), range(KEPT, count, chunk)):
+        if threads == 1 or len(part) <= 1:
+            for start in part:
+                simulate(start)
+            continue
         with ThreadPoolExecutor(threads) as pool:
             try:
-                for _ in pool.map(simulate, starts):
+                for _ in pool.map(simulate, part):
                     pass
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
-    return result
 
 
 def _relative_width(estimates: Estimates) -> Array:

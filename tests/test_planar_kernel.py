@@ -29,7 +29,7 @@ def test_kernel_equals_the_plain_twin(integration, sampling):
             "sensors.sampling": sampling,
         }
     )
-    ours = p.simulate(99, 1000, 150)
+    ours = p.simulate(99, 1000, 150).errors
     twin = end_errors(p, 99, np.arange(1000, 1150), integration == "trapezoidal")
     scale = twin.std(axis=1, keepdims=True)
     assert np.abs((ours - twin) / scale).max() < 2e-6
@@ -55,7 +55,7 @@ def test_large_turns_use_exact_functions(integration):
             "reconstruction.integration": integration,
         }
     )
-    ours = p.simulate(3, 0, 100)
+    ours = p.simulate(3, 0, 100).errors
     twin = end_errors(p, 3, np.arange(100), integration == "trapezoidal")
     assert np.abs(ours - twin).max() < 1e-4  # metres; normals in float32, turns of radians
 
@@ -67,20 +67,24 @@ def test_histories_follow_the_twin_and_end_in_the_errors(integration):
     twin = reconstruct(p, 5, np.arange(10, 80), integration == "trapezoidal")
     assert np.abs(history.tracks[0] - twin["position"].real).max() < 1e-6
     assert np.abs(history.tracks[1] - twin["position"].imag).max() < 1e-6
-    np.testing.assert_allclose(history.errors[:, -1], p.simulate(5, 10, 70), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        history.errors[:, -1], p.simulate(5, 10, 70).errors, rtol=1e-9, atol=1e-12
+    )
 
 
 def test_realizations_do_not_depend_on_blocks_or_their_start():
     p = problem(ALL_ERRORS)
-    whole = p.simulate(1, 0, 1000)
-    parts = [p.simulate(1, a, b - a) for a, b in ((0, 1), (1, 66), (66, 130), (130, 1000))]
+    whole = p.simulate(1, 0, 1000).errors
+    parts = [p.simulate(1, a, b - a).errors for a, b in ((0, 1), (1, 66), (66, 130), (130, 1000))]
     assert np.array_equal(whole, np.concatenate(parts, axis=1))
 
 
 def test_realization_numbers_beyond_32_bits_are_their_own():
     p = problem()
-    assert not np.array_equal(p.simulate(1, 0, 10), p.simulate(1, 2**32, 10))
-    assert np.array_equal(p.simulate(1, 2**32 - 5, 10)[:, 5:], p.simulate(1, 2**32, 5))
+    assert not np.array_equal(p.simulate(1, 0, 10).errors, p.simulate(1, 2**32, 10).errors)
+    assert np.array_equal(
+        p.simulate(1, 2**32 - 5, 10).errors[:, 5:], p.simulate(1, 2**32, 5).errors
+    )
 
 
 def test_channels_are_uncorrelated():
@@ -89,7 +93,7 @@ def test_channels_are_uncorrelated():
     A shared sign bit between channels passes moment tests and fails here.
     """
     p = problem({**STRAIGHT, "sensors.gyroscope.noise_density": "1e-9 °/s/√Hz"})
-    errors = p.simulate(8, 0, 200_000)[[0, 1, 3]]
+    errors = p.simulate(8, 0, 200_000).errors[[0, 1, 3]]
     correlation = np.corrcoef(errors)[np.triu_indices(3, 1)]
     assert np.abs(correlation).max() < 5 / math.sqrt(200_000)
     squares = np.corrcoef(errors**2)[np.triu_indices(3, 1)]
@@ -108,7 +112,7 @@ def test_white_acceleration_noise_on_a_straight_run():
     assert n == 400
     sigma_a = 2.2e-3 * math.sqrt(100 / 2)
     expected = sigma_a * t**2 * math.sqrt(sum(k**2 for k in range(1, n + 1)))
-    measured = p.simulate(2, 0, COUNT).std(axis=1)
+    measured = p.simulate(2, 0, COUNT).errors.std(axis=1)
     assert measured[0] == pytest.approx(expected, rel=TOLERANCE)
     assert measured[1] == pytest.approx(expected, rel=TOLERANCE)
     # Control: noise read as a two-sided density would be larger by sqrt(2).
@@ -118,14 +122,14 @@ def test_white_acceleration_noise_on_a_straight_run():
 def test_heading_is_a_random_walk():
     p = problem(STRAIGHT)
     expected = math.radians(3e-2) * math.sqrt(100 / 2) * p.interval * math.sqrt(p.n_samples)
-    assert p.simulate(3, 0, COUNT)[3].std() == pytest.approx(expected, rel=TOLERANCE)
+    assert p.simulate(3, 0, COUNT).errors[3].std() == pytest.approx(expected, rel=TOLERANCE)
 
 
 def test_constant_offset_grows_with_the_square_of_time():
     """b t^2 / 2; the rectangular rule gives b T^2 n (n + 1) / 2."""
     p = problem({**STRAIGHT, **NO_NOISE, "sensors.accelerometer.miscalibration": "0.01 m/s^2"})
     n, t = p.n_samples, p.interval
-    measured = p.simulate(4, 0, COUNT).std(axis=1)
+    measured = p.simulate(4, 0, COUNT).errors.std(axis=1)
     assert measured[0] == pytest.approx(0.01 * t**2 * n * (n + 1) / 2, rel=TOLERANCE)
     trapezoidal = problem(
         {
@@ -135,7 +139,7 @@ def test_constant_offset_grows_with_the_square_of_time():
             "sensors.accelerometer.miscalibration": "0.01 m/s^2",
         }
     )
-    assert trapezoidal.simulate(4, 0, COUNT)[1].std() == pytest.approx(
+    assert trapezoidal.simulate(4, 0, COUNT).errors[1].std() == pytest.approx(
         0.01 * (n * t) ** 2 / 2, rel=TOLERANCE
     )
 
@@ -151,7 +155,7 @@ def test_initial_errors_on_a_straight_run():
         }
     )
     time = p.n_samples * p.interval
-    along, across, _, heading, course = p.simulate(6, 0, COUNT)
+    along, across, _, heading, course = p.simulate(6, 0, COUNT).errors
     assert along.std() == pytest.approx(0.1 * time, rel=TOLERANCE)
     assert across.std() == pytest.approx(math.radians(0.01) * 10 * time, rel=2 * TOLERANCE)
     # Direction turns heading and course together.
@@ -160,11 +164,11 @@ def test_initial_errors_on_a_straight_run():
 
 def test_heading_and_course_errors_act_alone():
     heading_only = problem({**STRAIGHT, **NO_NOISE, "initial.heading_error": "1 °"})
-    along, across, _, heading, course = heading_only.simulate(1, 0, 1000)
+    along, across, _, heading, course = heading_only.simulate(1, 0, 1000).errors
     assert np.abs([along, across, course]).max() < 1e-9
     assert heading.std() == pytest.approx(math.radians(1), rel=5 / math.sqrt(2000))
     course_only = problem({**STRAIGHT, **NO_NOISE, "initial.course_error": "1 °"})
-    _, _, _, heading, course = course_only.simulate(1, 0, 1000)
+    _, _, _, heading, course = course_only.simulate(1, 0, 1000).errors
     assert np.abs(heading).max() < 1e-12
     assert course.std() == pytest.approx(math.radians(1), rel=5 / math.sqrt(2000))
 

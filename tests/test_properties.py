@@ -113,7 +113,7 @@ def test_doubling_all_noise_doubles_the_deviations_of_linear_errors(shape, speed
             ).base,
             None,
         )
-        deviations.append(p.simulate(seed, 0, 64).std(axis=1)[[0, 1, 3, 4]])
+        deviations.append(p.simulate(seed, 0, 64).errors.std(axis=1)[[0, 1, 3, 4]])
     np.testing.assert_allclose(deviations[1] / deviations[0], 2.0, rtol=1e-3)
 
 

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from mcsim.statistics import ESTIMATED, MOST_ITEMS, estimate
+from mcsim.statistics import (
+    ESTIMATED,
+    KEPT,
+    MOST_ITEMS,
+    Collector,
+    Reference,
+    estimate,
+    estimate_errors,
+)
 
 SAMPLE = np.random.default_rng(42).gamma(3.0, 1.0, (1, 800)) - 2.0
 
@@ -17,7 +25,7 @@ def rms(x, axis=-1):
 
 def test_values_are_numpys():
     errors = np.random.default_rng(0).standard_normal((3, 501))
-    value = estimate(errors, 3.0, 500, 1).value
+    value = estimate_errors(errors, 3.0, 500, 1).value
     np.testing.assert_allclose(value[:, 0], errors.mean(axis=1), rtol=1e-12)
     np.testing.assert_allclose(value[:, 1], errors.std(axis=1), rtol=1e-12)
     np.testing.assert_allclose(value[:, 2], rms(errors), rtol=1e-12)
@@ -26,7 +34,7 @@ def test_values_are_numpys():
 
 
 def test_rms_squared_is_mean_squared_plus_variance():
-    value = estimate(SAMPLE, 3.0, 500, 1).value[0]
+    value = estimate_errors(SAMPLE, 3.0, 500, 1).value[0]
     assert value[2] ** 2 == pytest.approx(value[0] ** 2 + value[1] ** 2, rel=1e-14)
 
 
@@ -34,7 +42,7 @@ def test_rms_squared_is_mean_squared_plus_variance():
 @pytest.mark.parametrize(("index", "statistic"), [(0, np.mean), (1, np.std), (2, rms)])
 def test_intervals_agree_with_scipys_bca_bootstrap(sigmas, index, statistic):
     """A skewed sample. 20,000 resamples leave about 0.03 sigma of noise in each end."""
-    ours = estimate(SAMPLE, sigmas, 20_000, 7)
+    ours = estimate_errors(SAMPLE, sigmas, 20_000, 7)
     level = 2 * stats.norm.cdf(sigmas) - 1
     theirs = stats.bootstrap(
         SAMPLE,
@@ -54,7 +62,7 @@ def test_intervals_agree_with_scipys_bca_bootstrap(sigmas, index, statistic):
 @pytest.mark.parametrize(("index", "p"), [(3, 0.5), (4, 0.95)])
 def test_percentile_intervals_are_scipys_exact_ones(sigmas, index, p):
     """scipy.stats.quantile_test inverts one-sided tests: ask it for each end alone."""
-    ours = estimate(SAMPLE, sigmas, 500, 7)
+    ours = estimate_errors(SAMPLE, sigmas, 500, 7)
     level = stats.norm.cdf(sigmas)
     low = stats.quantile_test(SAMPLE[0], p=p, alternative="greater").confidence_interval(level)
     high = stats.quantile_test(SAMPLE[0], p=p, alternative="less").confidence_interval(level)
@@ -70,7 +78,7 @@ def coverage(n: int, sigmas: float, trials: int, shrink: float = 1.0) -> np.ndar
     rng = np.random.default_rng(2)
     hits = np.zeros(len(ESTIMATED))
     for _ in range(trials // 50):
-        e = estimate(1.0 + 2.0 * rng.standard_normal((50, n)), sigmas, 500, 3)
+        e = estimate_errors(1.0 + 2.0 * rng.standard_normal((50, n)), sigmas, 500, 3)
         low = e.value - shrink * (e.value - e.low)
         high = e.value + shrink * (e.high - e.value)
         hits += np.sum((low <= truth) & (truth <= high), axis=0)
@@ -109,13 +117,13 @@ def test_groups_give_the_width_that_single_items_give():
     rng = np.random.default_rng(9)
     widths = []
     for n in (MOST_ITEMS, 4 * MOST_ITEMS):
-        e = estimate(rng.standard_normal((20, n)), 3.0, 2000, 1)
+        e = estimate_errors(rng.standard_normal((20, n)), 3.0, 2000, 1)
         widths.append(np.mean(e.high[:, :3] - e.low[:, :3], axis=0))
     np.testing.assert_allclose(widths[0] / widths[1], 2.0, rtol=0.06)
 
 
 def test_equal_errors_have_intervals_of_no_width():
-    e = estimate(np.full((1, 100), -0.1), 3.0, 500, 1)
+    e = estimate_errors(np.full((1, 100), -0.1), 3.0, 500, 1)
     np.testing.assert_array_equal(e.value[0], [-0.1, 0.0, 0.1, -0.1, -0.1])
     np.testing.assert_array_equal(e.low, e.value)
     np.testing.assert_array_equal(e.high, e.value)
@@ -123,13 +131,13 @@ def test_equal_errors_have_intervals_of_no_width():
 
 
 def test_all_zero_errors():
-    e = estimate(np.zeros((2, 50)), 3.0, 500, 1)
+    e = estimate_errors(np.zeros((2, 50)), 3.0, 500, 1)
     assert not np.any(e.value)
     assert not np.any(e.high)
 
 
 def test_one_realization_has_values_and_no_intervals():
-    e = estimate(np.array([[0.5], [-2.0]]), 3.0, 500, 1)
+    e = estimate_errors(np.array([[0.5], [-2.0]]), 3.0, 500, 1)
     np.testing.assert_array_equal(e.value[:, 0], [0.5, -2.0])
     np.testing.assert_array_equal(e.value[:, 2], [0.5, 2.0])
     assert np.isnan(e.low).all()
@@ -139,7 +147,7 @@ def test_one_realization_has_values_and_no_intervals():
 def test_undefined_errors_stay_undefined():
     errors = np.random.default_rng(0).standard_normal((2, 100))
     errors[1] = np.nan
-    e = estimate(errors, 3.0, 500, 1)
+    e = estimate_errors(errors, 3.0, 500, 1)
     assert np.isfinite(e.value[0]).all()
     assert np.isnan(e.value[1]).all()
     assert not e.degenerate.any()
@@ -147,7 +155,7 @@ def test_undefined_errors_stay_undefined():
 
 @pytest.mark.parametrize("n", [2, 3, 10])
 def test_few_realizations_never_crash_and_never_cross(n):
-    e = estimate(np.random.default_rng(n).standard_normal((5, n)), 3.0, 500, 1)
+    e = estimate_errors(np.random.default_rng(n).standard_normal((5, n)), 3.0, 500, 1)
     assert np.all(e.low <= e.value)
     assert np.all(e.value <= e.high)
     assert np.all(e.low[:, 1:3] >= 0.0)
@@ -156,5 +164,36 @@ def test_few_realizations_never_crash_and_never_cross(n):
 def test_an_outlier_does_not_break_the_acceleration():
     errors = np.zeros((1, 1000))
     errors[0, 0] = 1e6
-    e = estimate(errors, 3.0, 500, 1)
+    e = estimate_errors(errors, 3.0, 500, 1)
     assert np.isfinite([e.low, e.high]).all()
+
+
+def test_streams_of_any_length_keep_exact_percentiles():
+    """Beyond KEPT realizations only those near a percentile are kept: numpy agrees exactly."""
+    errors = np.random.default_rng(5).standard_normal((2, KEPT + 70_000))
+    e = estimate_errors(errors, 3.0, 200, 1)
+    np.testing.assert_allclose(e.value[:, 3], np.median(errors, axis=1), rtol=1e-12)
+    np.testing.assert_allclose(e.value[:, 4], np.quantile(errors, 0.95, axis=1), rtol=1e-12)
+    np.testing.assert_allclose(e.value[:, 2], rms(errors), rtol=1e-12)
+    ordered = np.sort(errors[0])
+    for end in (e.low[0, 4], e.high[0, 4]):
+        assert end in ordered
+
+
+def test_pieces_and_their_order_do_not_matter():
+    """Cells are summed whole, whatever piece they come in; percentiles are sorted."""
+    errors = np.random.default_rng(6).standard_normal((1, 3 * KEPT))
+    none = np.empty((1, 0))
+    results = []
+    for piece, backwards in ((4096, False), (8192, False), (4096, True)):
+        c = Collector(errors.shape[1], Reference(np.zeros(1)))
+        early = list(range(0, KEPT, piece))
+        late = list(range(KEPT, errors.shape[1], piece))
+        if backwards:
+            early, late = early[::-1], late[::-1]
+        for first in early + late:
+            c.add(first, np.ascontiguousarray(errors[:, first : first + piece]), none)
+        results.append(estimate(c, 3.0, 200, 1))
+    for other in results[1:]:
+        for name in ("value", "low", "high"):
+            assert np.array_equal(getattr(results[0], name), getattr(other, name))

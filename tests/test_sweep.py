@@ -85,6 +85,7 @@ def test_points_have_streams_of_their_own_unless_common():
                 "sweep": sweep,
                 "monte_carlo.realizations": 100,
                 "monte_carlo.common_random_numbers": common,
+                "monte_carlo.estimator": "plain",
             }
         )
         t = mcsim.run(s).table
@@ -124,7 +125,13 @@ def test_stored_results_load_with_their_scenario(tmp_path):
 
 
 def test_history_ends_in_the_table():
-    s = scenario({"monte_carlo.realizations": 300, "outputs": {"history": True}})
+    s = scenario(
+        {
+            "monte_carlo.realizations": 300,
+            "monte_carlo.estimator": "plain",
+            "outputs": {"history": True},
+        }
+    )
     results = mcsim.run(s)
     end = results.history[results.history["time [s]"] == results.history["time [s]"].max()]
     for statistic in ("mean", "std", "rms"):

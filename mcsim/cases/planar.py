@@ -5,18 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
 
-from mcsim.cases.problem import Array, History
+from mcsim.cases.planar_linear import (
+    ACROSS,
+    ALONG,
+    COURSE,
+    HEADING,
+    Weights,
+    linear_model,
+    linear_weights,
+)
+from mcsim.cases.problem import Array, History, LinearModel, Sample
 from mcsim.errors import InputError
 from mcsim.scenario import ERROR_NAMES, PlanarScenario
 from mcsim.sensors.error_model import channel_errors
 from mcsim.sensors.sampling import oversampling, sample
 from mcsim.trajectory import Drive, Motion, drive_of
 
-_COURSE = ERROR_NAMES.index("course")
 #: Samples per track beyond which the arrays of the truth become absurd.
 _MOST_DENSE_SAMPLES = 20_000_000
 #: Standard deviations that bound the yaw rate of practically all realizations.
@@ -27,7 +36,8 @@ _WIDE = 7.0
 class PlanarProblem:
     """Arrays and numbers of the planar kernel; see ``mcsim.kernels.planar.simulate``.
 
-    ``truth`` is the true motion at the samples 0 ... n.
+    ``signals`` (n + 1, 3), ``white`` (3,) and ``deviations`` (7,) hold turns per interval
+    in the place of yaw rates; ``truth`` is the true motion at the samples 0 ... n.
     """
 
     signals: Array
@@ -51,23 +61,23 @@ class PlanarProblem:
         """
         drive = drive_of(model.trajectory, folder)
         sensors = model.sensors
-        count = sample_count(drive, sensors.rate)
-        times = -drive.lead + np.arange(count + 1) / sensors.rate
+        samples = _sampled(drive, sensors.rate, sensors.sampling)
         errors = channel_errors(sensors)
         initial = model.initial
+        per_interval = np.array([1.0, 1.0, 1.0 / sensors.rate])
         return cls(
-            signals=sample(drive.signals, -drive.lead, sensors.rate, count, sensors.sampling),
-            white=errors.white,
+            signals=samples.signals,
+            white=errors.white * per_interval,
             deviations=np.array(
                 [
-                    *errors.miscalibration,
+                    *errors.miscalibration * per_interval,
                     initial.speed_error,
                     initial.direction_error,
                     initial.heading_error,
                     initial.course_error,
                 ]
             ),
-            truth=drive.motion(times),
+            truth=samples.truth,
             interval=1.0 / sensors.rate,
             trapezoidal=model.reconstruction.integration == "trapezoidal",
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
@@ -76,24 +86,58 @@ class PlanarProblem:
 
     @property
     def n_samples(self) -> int:
-        return self.signals.shape[1] - 1
+        return len(self.signals) - 1
 
-    def simulate(self, key: int, first: int, count: int) -> Array:
-        errors = np.empty((len(ERROR_NAMES), count))
-        self._run(key, first, self.white, self.deviations, errors, np.empty((0, 0, 0)))
-        return errors
+    @cached_property
+    def weights(self) -> Weights:
+        """First-order weights of all disturbances."""
+        return linear_weights(
+            self.signals,
+            self.white,
+            self.deviations,
+            self._start,
+            self.interval,
+            self.trapezoidal,
+            self.previous_share,
+        )
+
+    @cached_property
+    def linear(self) -> LinearModel:
+        return linear_model(self.weights, self.method_errors())
+
+    @cached_property
+    def _start(self) -> Array:
+        truth = self.truth
+        return np.array(
+            [truth.along[0], truth.across[0], truth.speed[0], truth.heading[0], truth.course[0]]
+        )
+
+    @cached_property
+    def _method_errors(self) -> Array:
+        errors, _ = self._run(0, 0, 1, disturbed=False)
+        return errors[:, 0]
 
     def method_errors(self) -> Array:
-        errors = np.empty((len(ERROR_NAMES), 1))
-        self._run(0, 0, np.zeros(3), np.zeros(7), errors, np.empty((0, 0, 0)))
-        return errors[:, 0]
+        return self._method_errors
+
+    def simulate(self, key: int, first: int, count: int, controls: bool = False) -> Sample:
+        errors, linear = self._run(key, first, count, with_linear=controls)
+        if not controls:
+            return Sample(errors, linear)
+        return Sample(errors, self._controls(linear))
+
+    def _controls(self, linear: Array) -> Array:
+        """Controls (5, r) from linear errors (4, r)."""
+        method = self.method_errors()
+        along, across, course, heading = linear
+        length = np.hypot(method[0] + along, method[1] + across)
+        return np.stack([along, across, length - math.hypot(*method[:2]), heading, course])
 
     def history(self, key: int, first: int, count: int) -> History:
         from mcsim.kernels.planar import HISTORY_ROWS
 
-        errors = np.empty((len(ERROR_NAMES), count))
         states = np.empty((HISTORY_ROWS, self.n_samples + 1, count))
-        self._run(key, first, self.white, self.deviations, errors, states)
+        self._run(key, first, count, history=states)
         truth = self.truth
         along = states[0] - truth.along[:, None]
         across = states[1] - truth.across[:, None]
@@ -117,37 +161,80 @@ class PlanarProblem:
         )
 
     def _run(
-        self, key: int, first: int, white: Array, deviations: Array, errors: Array, history: Array
-    ) -> None:
-        from mcsim.kernels.planar import LARGEST_TURN, simulate
+        self,
+        key: int,
+        first: int,
+        count: int,
+        disturbed: bool = True,
+        with_linear: bool = False,
+        history: Array | None = None,
+    ) -> tuple[Array, Array]:
+        """Errors (5, count) and linear errors (4, count or 0)."""
+        from mcsim.kernels.planar import ERRORS, LINEAR_ERRORS, simulate
 
         truth = self.truth
         course_end = math.nan if "course" in self.missing else float(truth.course[-1])
-        widest = np.max(np.abs(self.signals[2])) + _WIDE * math.hypot(white[2], deviations[2])
+        errors = np.empty((ERRORS, count))
+        linear = np.empty((LINEAR_ERRORS, count if with_linear else 0))
+        samples, constants = _NO_SAMPLES, _NO_CONSTANTS
+        if with_linear:
+            samples, constants = self._kernel_weights
+        factor = 1.0 if disturbed else 0.0
         simulate(
             np.uint64(key),
             np.uint64(first),
-            errors.shape[1],
+            count,
             self.signals,
-            white,
-            deviations,
-            np.array(
-                [
-                    truth.along[0],
-                    truth.across[0],
-                    truth.speed[0],
-                    truth.heading[0],
-                    truth.course[0],
-                ]
-            ),
+            factor * self.white,
+            factor * self.deviations,
+            self._start,
             np.array([truth.along[-1], truth.across[-1], truth.heading[-1], course_end]),
             self.interval,
             self.trapezoidal,
             self.previous_share,
-            bool(widest * self.interval > LARGEST_TURN),
+            self._largest_turn if disturbed else float(np.max(np.abs(self.signals[:, 2]))),
+            samples,
+            constants,
             errors,
-            history,
+            linear,
+            np.empty((0, 0, 0)) if history is None else history,
         )
+        return errors, linear
+
+    @cached_property
+    def _kernel_weights(self) -> tuple[Array, Array]:
+        """Weights of along, across, course and heading, laid out for the kernel."""
+        rows = [ALONG, ACROSS, COURSE, HEADING]
+        weights = self.weights
+        nine = np.moveaxis(weights.samples[rows[:3]], 0, 1).reshape(-1, 9)
+        samples = np.column_stack([nine, weights.samples[HEADING, :, 2]])
+        return samples, np.ascontiguousarray(weights.constants[rows])
+
+    @cached_property
+    def _largest_turn(self) -> float:
+        """A bound of the turn per sample that practically no realization exceeds."""
+        spread = math.hypot(self.white[2], self.deviations[2])
+        return float(np.max(np.abs(self.signals[:, 2])) + _WIDE * spread)
+
+
+_NO_SAMPLES, _NO_CONSTANTS = np.zeros((0, 0)), np.zeros((0, 0))
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Ideal samples (n + 1, 3), turns per interval last, and the truth at their times."""
+
+    signals: Array
+    truth: Motion
+
+
+@lru_cache(maxsize=64)
+def _sampled(drive: Drive, rate: float, method: str) -> _Samples:
+    """What does not change while only sensor errors are swept."""
+    count = sample_count(drive, rate)
+    signals = sample(drive.signals, -drive.lead, rate, count, method).T
+    truth = drive.motion(-drive.lead + np.arange(count + 1) / rate)
+    return _Samples(np.ascontiguousarray(signals * [1.0, 1.0, 1.0 / rate]), truth)
 
 
 def wrap(angle: Array) -> Array:
@@ -162,7 +249,9 @@ def _still(truth: Motion) -> float:
 
 def _missing(drive: Drive) -> Mapping[str, str]:
     if drive.manoeuvre.stops:
-        return {"course": "the vehicle stands still at the end: its course is undefined"}
+        return {
+            "course": "the vehicle comes to rest within the last interval: its course is undefined"
+        }
     return {}
 
 

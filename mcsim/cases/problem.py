@@ -13,6 +13,18 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Sample:
+    """Errors of some realizations, and the controls that go with them.
+
+    ``errors`` (e, r) in SI units, NaN if undefined; ``controls`` (e, r) or (e, 0): what
+    the linear model makes of the same disturbances, as deviation from the method error.
+    """
+
+    errors: Array
+    controls: Array
+
+
+@dataclass(frozen=True)
 class History:
     """Reconstructed tracks and their errors over time.
 
@@ -24,6 +36,19 @@ class History:
     tracks: Array
     truth: Array
     errors: Array
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """First-order effect of every disturbance on the errors; SI units, (e,) each.
+
+    ``mean`` and ``second_moment`` are the expectations of the controls and of their
+    squares; ``variances`` those of the signed errors by source of disturbance.
+    """
+
+    mean: Array
+    second_moment: Array
+    variances: Mapping[str, Array]
 
 
 class Problem(Protocol):
@@ -41,8 +66,12 @@ class Problem(Protocol):
     def n_samples(self) -> int:
         """Samples integrated per realization."""
 
-    def simulate(self, key: int, first: int, count: int) -> Array:
-        """Errors (e, count) of realizations first ... first + count - 1, NaN if undefined."""
+    @property
+    def linear(self) -> LinearModel:
+        """The linear model around the undisturbed reconstruction."""
+
+    def simulate(self, key: int, first: int, count: int, controls: bool = False) -> Sample:
+        """Realizations first ... first + count - 1, with controls if asked for."""
 
     def method_errors(self) -> Array:
         """Errors (e,) of the undisturbed reconstruction."""

@@ -20,10 +20,16 @@ def summary(results: Results) -> str:
         rows.append([str(name), str(estimates["unit"].iloc[0])])
         for statistic in _SUMMARY:
             row = by_statistic.loc[statistic]
-            interval = f" [{row['ci_low']:.3g}, {row['ci_high']:.3g}]"
-            rows[-1].append(f"{row['value']:.3g}" + interval * (statistic != "method"))
+            rows[-1].append(_estimate(row, with_interval=statistic != "method"))
     count = int(table["realizations"].iloc[0])
     return "\n".join([*_columns(rows), f"{count:,} realizations"])
+
+
+def _estimate(row: Any, with_interval: bool) -> str:
+    if row["value"] != row["value"]:
+        return "undefined"
+    interval = f" [{row['ci_low']:.3g}, {row['ci_high']:.3g}]" if with_interval else ""
+    return f"{row['value']:.3g}{interval}"
 
 
 def sensor_list() -> str:

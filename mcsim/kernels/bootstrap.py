@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from mcsim.kernels.compilation import kernel
 from mcsim.kernels.random import stream_words, xoshiro_next
 
-_LANES = 64
+#: Resamples summed side by side.
+LANES = 64
 
 
 @kernel
@@ -33,19 +34,38 @@ def resampling_counts(key: np.uint64, counts: NDArray[np.float32]) -> None:
 
 @kernel
 def resampled_sums(
-    counts: NDArray[np.float32], items: NDArray[np.float64], sums: NDArray[np.float64]
+    counts: NDArray[np.float32], items: NDArray[np.float32], sums: NDArray[np.float32]
 ) -> None:
     """sums[m, b] = sum over i of counts[i, b] * items[m, i], in a fixed order.
 
-    ``counts`` float32 (n, b), ``items`` float64 (m, n), ``sums`` float64 (m, b), written.
+    ``counts`` (n, b), ``items`` (m, n) with deviations of about one, ``sums`` (m, b), written.
     """
     n, resamples = counts.shape
-    for start in range(0, resamples, _LANES):
-        stop = min(start + _LANES, resamples)
-        for m in range(items.shape[0]):
-            for b in range(start, stop):
-                sums[m, b] = 0.0
-            for i in range(n):
-                x = items[m, i]
-                for b in range(start, stop):
-                    sums[m, b] += counts[i, b] * x
+    rows = items.shape[0]
+    # A tile of resamples at a time, four items between loading and storing their sums.
+    weights = np.zeros(4 * LANES, np.float32)
+    tile = np.empty(rows * LANES, np.float32)
+    for start in range(0, resamples, LANES):
+        width = min(LANES, resamples - start)
+        tile[:] = np.float32(0.0)
+        for first in range(0, n, 4):
+            for k in range(4):
+                for b in range(width):
+                    inside = first + k < n
+                    weights[k * LANES + b] = counts[first + k, start + b] if inside else 0.0
+            for m in range(rows):
+                row = m * LANES
+                x0 = items[m, first]
+                x1 = items[m, first + 1] if first + 1 < n else np.float32(0.0)
+                x2 = items[m, first + 2] if first + 2 < n else np.float32(0.0)
+                x3 = items[m, first + 3] if first + 3 < n else np.float32(0.0)
+                for b in range(LANES):
+                    total = tile[row + b]
+                    total = total + x0 * weights[b]
+                    total = total + x1 * weights[LANES + b]
+                    total = total + x2 * weights[2 * LANES + b]
+                    total = total + x3 * weights[3 * LANES + b]
+                    tile[row + b] = total
+        for m in range(rows):
+            for b in range(width):
+                sums[m, start + b] = tile[m * LANES + b]

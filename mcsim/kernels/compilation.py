@@ -5,9 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from llvmlite import binding as llvm
+from numba import config as _numba_config
 from numba import njit
 
+config: Any = _numba_config
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def _use_full_vectors() -> None:
+    """Let LLVM use all 512 bits of AVX-512, which it avoids on Intel by default.
+
+    The lane loops gain a third of their speed; results stay the same to the bit.
+    A choice made through numba's own settings (NUMBA_CPU_NAME, NUMBA_CPU_FEATURES)
+    is left alone.
+    """
+    if config.CPU_NAME is not None or config.CPU_FEATURES is not None:
+        return
+    features = llvm.get_host_cpu_features()
+    if features.get("avx512f", False):
+        features["prefer-256-bit"] = False
+        config.CPU_FEATURES = features.flatten()
+
+
+_use_full_vectors()
 
 # Fused multiply-add is allowed, and nothing else that changes results; floats
 # divide as in numpy.

@@ -5,13 +5,19 @@ side, ``LANES`` at a time: every state variable is one row of a small array and
 the innermost loop runs over lanes, which LLVM vectorises.  Noise is drawn four
 samples ahead into a scratch array and used at once; nothing is kept per sample.
 
-Two things are factored out of the loop.  The sampling interval: velocities are
-summed as ``V = sum R a`` and positions as ``P = sum V`` and scaled at the end.
-And trigonometry: the heading is carried as a rotation (cos, sin), turned at
-each sample by a small angle with a Taylor polynomial (see ``turn``).
+What makes it fast, measured in ``benchmarks/``:
 
-The measured channels are forward acceleration, leftward acceleration and yaw
-rate, in this order everywhere.
+* Scratch arrays are flat, rows at constant offsets: LLVM then knows that rows do
+  not overlap and needs no checks.
+* Four samples are integrated between loading and storing a lane's state.
+* The sampling interval is factored out: velocities are summed as ``V = sum R a``
+  and positions as ``P = sum V``, angles come as increments, and all is scaled at
+  the end.
+* Trigonometry is gone: the heading is a unit vector, turned at each sample by a
+  small angle with a Taylor polynomial (see ``turn_little`` and ``turn``).
+
+The measured channels are forward acceleration, leftward acceleration and turn
+(yaw rate times sampling interval), in this order everywhere.
 """
 
 from __future__ import annotations
@@ -27,44 +33,61 @@ from mcsim.kernels.random import normal_pair, stream_words, xoshiro_next
 
 Array = NDArray[np.float64]
 
-LANES = 64
-#: Number of samples drawn and integrated between two visits of the state rows.
+LANES = 128
+#: Samples drawn and integrated between two visits of the state rows.
 GROUP = 4
-#: Columns of the result: along, across, position, heading, course.
+#: Rows of the result: along, across, position, heading, course.
 ERRORS = 5
-#: Largest heading increment per sample (rad) for which ``turn`` errs by less than 1e-11.
-LARGEST_TURN = 0.5
+#: Rows of the linear errors: along, across, course, heading.
+LINEAR_ERRORS = 4
+#: Weights of a sample's three channels: nine for the first three of them, one (of the
+#: turn) for the heading.
+LINEAR_WEIGHTS = 10
+#: Largest turn per sample (rad) that ``turn_little`` and ``turn`` are used for: they
+#: err by less than 7e-15 and 3e-10 there.
+LITTLE_TURN, LARGEST_TURN = 0.004, 0.5
 
 #: Streams of a realization: white noise of the samples, constants drawn once.
 WHITE_NOISE, CONSTANTS = 0, 1
 #: Constants: three miscalibrations, initial speed, direction, heading and course
 #: errors, one spare, then the noise of sample 0 (used by the trapezoidal rule).
-_N_CONSTANTS = 12
+N_CONSTANTS = 12
 
-# Rows of the state array: rotation, sum of yaw rates, scaled velocity and position,
-# the previous sample's three channels and the previous interval's turn.
-_COS, _SIN, _YAW_SUM, _VL, _VD, _PL, _PD, _FORWARD, _LEFT, _YAW_RATE, _TURN = range(11)
-_N_STATE = 11
+# Rows of the state: heading vector, velocity, position, four linear errors, the
+# previous sample's channels, half of the previous interval's turn, three offsets, and
+# one for angles at the start and the end.
+_COS, _SIN, _VL, _VD, _PL, _PD = (LANES * row for row in range(6))
+_LINEAR = LANES * 6
+_FORWARD, _LEFT, _YAW, _HALF_TURN = (LANES * row for row in range(10, 14))
+_OFFSETS = LANES * 14
+_COURSE = LANES * 17
+_N_STATE = LANES * 18
 
 #: Rows of a recorded history: along, across, velocity along, velocity across, heading.
 HISTORY_ROWS = 5
 
 
 @scalar
-def turn(c, s, angle):
-    """Rotate the unit vector (c, s) by ``angle``; Taylor series to the 9th order.
-
-    The error per turn is below |angle|^10 / 10!: 3e-13 at 0.25 rad, 3e-10 at 0.5 rad.
-    """
+def turn_little(c, s, angle):
+    """Rotate (c, s) by a small angle: Taylor series to the 4th order, error |angle|^5 / 120."""
     q = angle * angle
-    sin_a = angle * (1.0 + q * (-1 / 6 + q * (1 / 120 + q * (-1 / 5040 + q * (1 / 362880)))))
-    cos_a = 1.0 + q * (-1 / 2 + q * (1 / 24 + q * (-1 / 720 + q * (1 / 40320))))
-    return c * cos_a - s * sin_a, s * cos_a + c * sin_a
+    sin_a = angle + angle * q * (-1 / 6)
+    cos_a_less_1 = q * (-1 / 2 + q * (1 / 24))
+    return c + c * cos_a_less_1 - s * sin_a, s + s * cos_a_less_1 + c * sin_a
+
+
+@scalar
+def turn(c, s, angle):
+    """Rotate (c, s) by an angle: Taylor series to the 9th order, error |angle|^10 / 10!."""
+    q = angle * angle
+    sin_a = angle + angle * q * (-1 / 6 + q * (1 / 120 + q * (-1 / 5040 + q * (1 / 362880))))
+    cos_a_less_1 = q * (-1 / 2 + q * (1 / 24 + q * (-1 / 720 + q * (1 / 40320))))
+    return c + c * cos_a_less_1 - s * sin_a, s + s * cos_a_less_1 + c * sin_a
 
 
 @scalar
 def turn_exactly(c, s, angle):
-    """Rotate the unit vector (c, s) by an angle of any size."""
+    """Rotate (c, s) by an angle of any size."""
     cos_a = math.cos(angle)
     sin_a = math.sin(angle)
     return c * cos_a - s * sin_a, s * cos_a + c * sin_a
@@ -77,8 +100,10 @@ def _make_steps(turn_by):
     def rectangular(c, s, vl, vd, pl, pd, forward, left, angle):
         """Eq. (2), (3): new heading first, then velocity, then position."""
         c, s = turn_by(c, s, angle)
-        vl += c * forward - s * left
-        vd += s * forward + c * left
+        vl = vl + c * forward
+        vl = vl - s * left
+        vd = vd + s * forward
+        vd = vd + c * left
         return c, s, vl, vd, pl + vl, pd + vd
 
     @scalar
@@ -87,192 +112,328 @@ def _make_steps(turn_by):
         c, s = turn_by(c, s, angle)
         al = c * forward - s * left
         ad = s * forward + c * left
-        pl += vl + 0.5 * al
-        pd += vd + 0.5 * ad
-        return c, s, vl + al, vd + ad, pl, pd
+        return c, s, vl + al, vd + ad, pl + (vl + 0.5 * al), pd + (vd + 0.5 * ad)
 
     return rectangular, trapezoidal
 
 
-_rectangular, _trapezoidal = _make_steps(turn)
-_rectangular_exact, _trapezoidal_exact = _make_steps(turn_exactly)
+_step_little, _ = _make_steps(turn_little)
+_step, _trapezoidal_step = _make_steps(turn)
+_step_exactly, _trapezoidal_step_exactly = _make_steps(turn_exactly)
 
 
 @scalar
-def _seed_lanes(key, first, stream, state):
-    """Put the xoshiro state of ``LANES`` realizations from ``first`` on into ``state``."""
+def _seed_lanes(key, first, stream, random_state):
+    """Put the xoshiro states of ``LANES`` realizations from ``first`` on into place."""
     for j in range(LANES):
         s0, s1, s2, s3 = stream_words(key, first + uint64(j), stream, 0)
-        state[0, j] = s0
-        state[1, j] = s1
-        state[2, j] = s2
-        state[3, j] = s3
+        random_state[j] = s0
+        random_state[LANES + j] = s1
+        random_state[2 * LANES + j] = s2
+        random_state[3 * LANES + j] = s3
 
 
 @scalar
 def _draw_constants(key, first, constants):
     """Twelve normals per lane for what a realization draws once."""
-    for block in range(_N_CONSTANTS // 4):
+    for block in range(N_CONSTANTS // 4):
+        row = 4 * block * LANES
         for j in range(LANES):
             w0, w1, w2, w3 = stream_words(key, first + uint64(j), CONSTANTS, block)
             z0, z1 = normal_pair(w0, w1)
             z2, z3 = normal_pair(w2, w3)
-            constants[4 * block, j] = z0
-            constants[4 * block + 1, j] = z1
-            constants[4 * block + 2, j] = z2
-            constants[4 * block + 3, j] = z3
+            constants[row + j] = z0
+            constants[row + LANES + j] = z1
+            constants[row + 2 * LANES + j] = z2
+            constants[row + 3 * LANES + j] = z3
 
 
 @scalar
-def _draw_group(state, normals):
-    """Twelve normals per lane: three channels of ``GROUP`` samples."""
+def _draw_group(random_state, normals):
+    """Twelve normals per lane: three channels of ``GROUP`` samples.
+
+    Unrolled by hand; in a loop over pairs LLVM does not vectorise over lanes.
+    """
     for j in range(LANES):
-        s0 = state[0, j]
-        s1 = state[1, j]
-        s2 = state[2, j]
-        s3 = state[3, j]
+        s0 = random_state[j]
+        s1 = random_state[LANES + j]
+        s2 = random_state[2 * LANES + j]
+        s3 = random_state[3 * LANES + j]
         a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
         b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[0, j], normals[1, j] = normal_pair(a, b)
+        normals[j], normals[LANES + j] = normal_pair(a, b)
         a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
         b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[2, j], normals[3, j] = normal_pair(a, b)
+        normals[2 * LANES + j], normals[3 * LANES + j] = normal_pair(a, b)
         a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
         b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[4, j], normals[5, j] = normal_pair(a, b)
+        normals[4 * LANES + j], normals[5 * LANES + j] = normal_pair(a, b)
         a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
         b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[6, j], normals[7, j] = normal_pair(a, b)
+        normals[6 * LANES + j], normals[7 * LANES + j] = normal_pair(a, b)
         a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
         b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[8, j], normals[9, j] = normal_pair(a, b)
+        normals[8 * LANES + j], normals[9 * LANES + j] = normal_pair(a, b)
         a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
         b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[10, j], normals[11, j] = normal_pair(a, b)
-        state[0, j] = s0
-        state[1, j] = s1
-        state[2, j] = s2
-        state[3, j] = s3
+        normals[10 * LANES + j], normals[11 * LANES + j] = normal_pair(a, b)
+        random_state[j] = s0
+        random_state[LANES + j] = s1
+        random_state[2 * LANES + j] = s2
+        random_state[3 * LANES + j] = s3
 
 
 @scalar
-def _start(constants, deviations, initial, white, signals, interval, state):
-    """State rows at sample 0, from the true state and the realization's initial errors.
+def _turned(direction, angle_row, state, cos_row, sin_row):
+    """Unit vectors at ``direction`` plus each lane's angle (radians, in row ``angle_row``)."""
+    c0 = math.cos(direction)
+    s0 = math.sin(direction)
+    for j in range(LANES):
+        state[cos_row + j], state[sin_row + j] = turn(c0, s0, state[angle_row + j])
+    for j in range(LANES):
+        if abs(state[angle_row + j]) > LARGEST_TURN:
+            c, s = turn_exactly(c0, s0, state[angle_row + j])
+            state[cos_row + j], state[sin_row + j] = c, s
+
+
+@scalar
+def _start(constants, deviations, white, initial, signals, interval, state):
+    """State rows at sample 0, from the true state and the realization's constants.
 
     The previous-sample rows hold measured sample 0 (for the trapezoidal rule).
     """
     for j in range(LANES):
-        direction = deviations[4] * constants[4, j]
-        heading = initial[3] + direction + deviations[5] * constants[5, j]
-        course = initial[4] + direction + deviations[6] * constants[6, j]
-        speed = initial[2] + deviations[3] * constants[3, j]
-        state[_COS, j] = math.cos(heading)
-        state[_SIN, j] = math.sin(heading)
-        state[_YAW_SUM, j] = heading / interval
-        state[_VL, j] = speed * math.cos(course) / interval
-        state[_VD, j] = speed * math.sin(course) / interval
-        state[_PL, j] = initial[0] / (interval * interval)
-        state[_PD, j] = initial[1] / (interval * interval)
-        state[_FORWARD, j] = (
-            signals[0, 0] + deviations[0] * constants[0, j] + white[0] * constants[8, j]
-        )
-        state[_LEFT, j] = (
-            signals[1, 0] + deviations[1] * constants[1, j] + white[1] * constants[9, j]
-        )
-        state[_YAW_RATE, j] = (
-            signals[2, 0] + deviations[2] * constants[2, j] + white[2] * constants[10, j]
-        )
-        state[_TURN, j] = 0.0
+        direction = deviations[4] * constants[4 * LANES + j]
+        state[_COURSE + j] = direction + deviations[6] * constants[6 * LANES + j]
+        state[_HALF_TURN + j] = direction + deviations[5] * constants[5 * LANES + j]
+    _turned(initial[3], _HALF_TURN, state, _COS, _SIN)
+    _turned(initial[4], _COURSE, state, _VL, _VD)
+    for j in range(LANES):
+        speed = (initial[2] + deviations[3] * constants[3 * LANES + j]) / interval
+        state[_VL + j] *= speed
+        state[_VD + j] *= speed
+        state[_PL + j] = initial[0] / (interval * interval)
+        state[_PD + j] = initial[1] / (interval * interval)
+        state[_HALF_TURN + j] = 0.0
+    for channel in range(3):
+        row = channel * LANES
+        for j in range(LANES):
+            offset = deviations[channel] * constants[row + j]
+            noise = white[channel] * constants[8 * LANES + row + j]
+            state[_OFFSETS + row + j] = offset
+            state[_FORWARD + row + j] = signals[0, channel] + offset + noise
+
+
+@scalar
+def _start_linear(constants, linear_constants, state):
+    """Linear errors from what is drawn once per realization."""
+    for error in range(LINEAR_ERRORS):
+        row = _LINEAR + error * LANES
+        for j in range(LANES):
+            state[row + j] = 0.0
+        for k in range(N_CONSTANTS):
+            weight = linear_constants[error, k]
+            for j in range(LANES):
+                state[row + j] += weight * constants[k * LANES + j]
+
+
+@scalar
+def _advance_four_little(i, normals, signals, white, state):
+    """Four samples from sample ``i`` on: rectangular, no offsets, little turns."""
+    f0, l0, w0 = signals[i, 0], signals[i, 1], signals[i, 2]
+    f1, l1, w1 = signals[i + 1, 0], signals[i + 1, 1], signals[i + 1, 2]
+    f2, l2, w2 = signals[i + 2, 0], signals[i + 2, 1], signals[i + 2, 2]
+    f3, l3, w3 = signals[i + 3, 0], signals[i + 3, 1], signals[i + 3, 2]
+    sf, sl, sw = white[0], white[1], white[2]
+    for j in range(LANES):
+        c, s = state[_COS + j], state[_SIN + j]
+        vl, vd = state[_VL + j], state[_VD + j]
+        pl, pd = state[_PL + j], state[_PD + j]
+        f = f0 + sf * normals[j]
+        l = l0 + sl * normals[LANES + j]  # noqa: E741
+        w = w0 + sw * normals[2 * LANES + j]
+        c, s, vl, vd, pl, pd = _step_little(c, s, vl, vd, pl, pd, f, l, w)
+        f = f1 + sf * normals[3 * LANES + j]
+        l = l1 + sl * normals[4 * LANES + j]  # noqa: E741
+        w = w1 + sw * normals[5 * LANES + j]
+        c, s, vl, vd, pl, pd = _step_little(c, s, vl, vd, pl, pd, f, l, w)
+        f = f2 + sf * normals[6 * LANES + j]
+        l = l2 + sl * normals[7 * LANES + j]  # noqa: E741
+        w = w2 + sw * normals[8 * LANES + j]
+        c, s, vl, vd, pl, pd = _step_little(c, s, vl, vd, pl, pd, f, l, w)
+        f = f3 + sf * normals[9 * LANES + j]
+        l = l3 + sl * normals[10 * LANES + j]  # noqa: E741
+        w = w3 + sw * normals[11 * LANES + j]
+        c, s, vl, vd, pl, pd = _step_little(c, s, vl, vd, pl, pd, f, l, w)
+        state[_COS + j], state[_SIN + j] = c, s
+        state[_VL + j], state[_VD + j] = vl, vd
+        state[_PL + j], state[_PD + j] = pl, pd
+
+
+@scalar
+def _advance_four(i, normals, signals, white, state):
+    """Four samples from sample ``i`` on: rectangular, with offsets, turns to LARGEST_TURN."""
+    f0, l0, w0 = signals[i, 0], signals[i, 1], signals[i, 2]
+    f1, l1, w1 = signals[i + 1, 0], signals[i + 1, 1], signals[i + 1, 2]
+    f2, l2, w2 = signals[i + 2, 0], signals[i + 2, 1], signals[i + 2, 2]
+    f3, l3, w3 = signals[i + 3, 0], signals[i + 3, 1], signals[i + 3, 2]
+    sf, sl, sw = white[0], white[1], white[2]
+    for j in range(LANES):
+        c, s = state[_COS + j], state[_SIN + j]
+        vl, vd = state[_VL + j], state[_VD + j]
+        pl, pd = state[_PL + j], state[_PD + j]
+        bf = state[_OFFSETS + j]
+        bl = state[_OFFSETS + LANES + j]
+        bw = state[_OFFSETS + 2 * LANES + j]
+        f = f0 + bf + sf * normals[j]
+        l = l0 + bl + sl * normals[LANES + j]  # noqa: E741
+        w = w0 + bw + sw * normals[2 * LANES + j]
+        c, s, vl, vd, pl, pd = _step(c, s, vl, vd, pl, pd, f, l, w)
+        f = f1 + bf + sf * normals[3 * LANES + j]
+        l = l1 + bl + sl * normals[4 * LANES + j]  # noqa: E741
+        w = w1 + bw + sw * normals[5 * LANES + j]
+        c, s, vl, vd, pl, pd = _step(c, s, vl, vd, pl, pd, f, l, w)
+        f = f2 + bf + sf * normals[6 * LANES + j]
+        l = l2 + bl + sl * normals[7 * LANES + j]  # noqa: E741
+        w = w2 + bw + sw * normals[8 * LANES + j]
+        c, s, vl, vd, pl, pd = _step(c, s, vl, vd, pl, pd, f, l, w)
+        f = f3 + bf + sf * normals[9 * LANES + j]
+        l = l3 + bl + sl * normals[10 * LANES + j]  # noqa: E741
+        w = w3 + bw + sw * normals[11 * LANES + j]
+        c, s, vl, vd, pl, pd = _step(c, s, vl, vd, pl, pd, f, l, w)
+        state[_COS + j], state[_SIN + j] = c, s
+        state[_VL + j], state[_VD + j] = vl, vd
+        state[_PL + j], state[_PD + j] = pl, pd
 
 
 def _make_advance(rectangular, trapezoidal):
-    """Advance a block by one sample, with the given steps."""
+    """Advance a block by sample ``i``, number ``k`` of its group, with the given steps."""
 
     @scalar
-    def advance_rectangular(sample, k, normals, biases, signals, white, interval, state):
-        f0 = signals[0, sample]
-        l0 = signals[1, sample]
-        w0 = signals[2, sample]
+    def advance_rectangular(i, k, normals, signals, white, state):
+        row = 3 * k * LANES
+        f0, l0, w0 = signals[i, 0], signals[i, 1], signals[i, 2]
         for j in range(LANES):
-            forward = f0 + biases[0, j] + white[0] * normals[3 * k, j]
-            left = l0 + biases[1, j] + white[1] * normals[3 * k + 1, j]
-            yaw_rate = w0 + biases[2, j] + white[2] * normals[3 * k + 2, j]
-            state[_YAW_SUM, j] += yaw_rate
-            (
-                state[_COS, j],
-                state[_SIN, j],
-                state[_VL, j],
-                state[_VD, j],
-                state[_PL, j],
-                state[_PD, j],
-            ) = rectangular(
-                state[_COS, j],
-                state[_SIN, j],
-                state[_VL, j],
-                state[_VD, j],
-                state[_PL, j],
-                state[_PD, j],
+            forward = f0 + state[_OFFSETS + j] + white[0] * normals[row + j]
+            left = l0 + state[_OFFSETS + LANES + j] + white[1] * normals[row + LANES + j]
+            angle = w0 + state[_OFFSETS + 2 * LANES + j] + white[2] * normals[row + 2 * LANES + j]
+            c, s, vl, vd, pl, pd = rectangular(
+                state[_COS + j],
+                state[_SIN + j],
+                state[_VL + j],
+                state[_VD + j],
+                state[_PL + j],
+                state[_PD + j],
                 forward,
                 left,
-                interval * yaw_rate,
-            )
-
-    @scalar
-    def advance_trapezoidal(
-        sample, k, normals, biases, signals, white, interval, previous_share, state
-    ):
-        f0 = signals[0, sample]
-        l0 = signals[1, sample]
-        w0 = signals[2, sample]
-        this_share = 1.0 - previous_share
-        for j in range(LANES):
-            forward = f0 + biases[0, j] + white[0] * normals[3 * k, j]
-            left = l0 + biases[1, j] + white[1] * normals[3 * k + 1, j]
-            yaw_rate = w0 + biases[2, j] + white[2] * normals[3 * k + 2, j]
-            mean_forward = this_share * forward + previous_share * state[_FORWARD, j]
-            mean_left = this_share * left + previous_share * state[_LEFT, j]
-            mean_yaw_rate = this_share * yaw_rate + previous_share * state[_YAW_RATE, j]
-            state[_FORWARD, j] = forward
-            state[_LEFT, j] = left
-            state[_YAW_RATE, j] = yaw_rate
-            state[_YAW_SUM, j] += mean_yaw_rate
-            # From the middle of the last interval to the middle of this one.
-            half_turn = 0.5 * interval * mean_yaw_rate
-            angle = state[_TURN, j] + half_turn
-            state[_TURN, j] = half_turn
-            (
-                state[_COS, j],
-                state[_SIN, j],
-                state[_VL, j],
-                state[_VD, j],
-                state[_PL, j],
-                state[_PD, j],
-            ) = trapezoidal(
-                state[_COS, j],
-                state[_SIN, j],
-                state[_VL, j],
-                state[_VD, j],
-                state[_PL, j],
-                state[_PD, j],
-                mean_forward,
-                mean_left,
                 angle,
             )
+            state[_COS + j], state[_SIN + j] = c, s
+            state[_VL + j], state[_VD + j] = vl, vd
+            state[_PL + j], state[_PD + j] = pl, pd
+
+    @scalar
+    def advance_trapezoidal(i, k, normals, signals, white, previous_share, state):
+        row = 3 * k * LANES
+        f0, l0, w0 = signals[i, 0], signals[i, 1], signals[i, 2]
+        share = 1.0 - previous_share
+        for j in range(LANES):
+            forward = f0 + state[_OFFSETS + j] + white[0] * normals[row + j]
+            left = l0 + state[_OFFSETS + LANES + j] + white[1] * normals[row + LANES + j]
+            angle = w0 + state[_OFFSETS + 2 * LANES + j] + white[2] * normals[row + 2 * LANES + j]
+            half_turn = 0.5 * (share * angle + previous_share * state[_YAW + j])
+            c, s, vl, vd, pl, pd = trapezoidal(
+                state[_COS + j],
+                state[_SIN + j],
+                state[_VL + j],
+                state[_VD + j],
+                state[_PL + j],
+                state[_PD + j],
+                share * forward + previous_share * state[_FORWARD + j],
+                share * left + previous_share * state[_LEFT + j],
+                # From the middle of the last interval to the middle of this one.
+                state[_HALF_TURN + j] + half_turn,
+            )
+            state[_COS + j], state[_SIN + j] = c, s
+            state[_VL + j], state[_VD + j] = vl, vd
+            state[_PL + j], state[_PD + j] = pl, pd
+            state[_FORWARD + j], state[_LEFT + j] = forward, left
+            state[_YAW + j], state[_HALF_TURN + j] = angle, half_turn
 
     return advance_rectangular, advance_trapezoidal
 
 
-_advance_rectangular, _advance_trapezoidal = _make_advance(_rectangular, _trapezoidal)
-_advance_rectangular_exactly, _advance_trapezoidal_exactly = _make_advance(
-    _rectangular_exact, _trapezoidal_exact
+_advance, _advance_trapezoidal = _make_advance(_step, _trapezoidal_step)
+_advance_exactly, _advance_trapezoidal_exactly = _make_advance(
+    _step_exactly, _trapezoidal_step_exactly
 )
 
 
 @scalar
-def _set_biases(constants, deviations, biases):
-    for channel in range(3):
-        for j in range(LANES):
-            biases[channel, j] = deviations[channel] * constants[channel, j]
+def _add_linear(i, k, normals, sensitivity, state):
+    """Add sample ``i``'s noise to the linear errors."""
+    row = 3 * k * LANES
+    a0, a1, a2 = sensitivity[i, 0], sensitivity[i, 1], sensitivity[i, 2]
+    b0, b1, b2 = sensitivity[i, 3], sensitivity[i, 4], sensitivity[i, 5]
+    c0, c1, c2 = sensitivity[i, 6], sensitivity[i, 7], sensitivity[i, 8]
+    h2 = sensitivity[i, 9]
+    for j in range(LANES):
+        x = np.float64(normals[row + j])
+        y = np.float64(normals[row + LANES + j])
+        z = np.float64(normals[row + 2 * LANES + j])
+        state[_LINEAR + j] += a0 * x + a1 * y + a2 * z
+        state[_LINEAR + LANES + j] += b0 * x + b1 * y + b2 * z
+        state[_LINEAR + 2 * LANES + j] += c0 * x + c1 * y + c2 * z
+        state[_LINEAR + 3 * LANES + j] += h2 * z
+
+
+@scalar
+def _add_linear_of_two(i, row, normals, sensitivity, state):
+    """The same for samples ``i`` and ``i + 1``, whose normals begin at ``row``."""
+    a0, a1, a2 = sensitivity[i, 0], sensitivity[i, 1], sensitivity[i, 2]
+    b0, b1, b2 = sensitivity[i, 3], sensitivity[i, 4], sensitivity[i, 5]
+    c0, c1, c2 = sensitivity[i, 6], sensitivity[i, 7], sensitivity[i, 8]
+    g2 = sensitivity[i, 9]
+    i += 1
+    d0, d1, d2 = sensitivity[i, 0], sensitivity[i, 1], sensitivity[i, 2]
+    e0, e1, e2 = sensitivity[i, 3], sensitivity[i, 4], sensitivity[i, 5]
+    f0, f1, f2 = sensitivity[i, 6], sensitivity[i, 7], sensitivity[i, 8]
+    h2 = sensitivity[i, 9]
+    for j in range(LANES):
+        a = state[_LINEAR + j]
+        b = state[_LINEAR + LANES + j]
+        c = state[_LINEAR + 2 * LANES + j]
+        h = state[_LINEAR + 3 * LANES + j]
+        x = np.float64(normals[row + j])
+        y = np.float64(normals[row + LANES + j])
+        z = np.float64(normals[row + 2 * LANES + j])
+        a = a + a0 * x
+        b = b + b0 * x
+        c = c + c0 * x
+        a = a + a1 * y
+        b = b + b1 * y
+        c = c + c1 * y
+        a = a + a2 * z
+        b = b + b2 * z
+        c = c + c2 * z
+        h = h + g2 * z
+        x = np.float64(normals[row + 3 * LANES + j])
+        y = np.float64(normals[row + 4 * LANES + j])
+        z = np.float64(normals[row + 5 * LANES + j])
+        a = a + d0 * x
+        b = b + e0 * x
+        c = c + f0 * x
+        a = a + d1 * y
+        b = b + e1 * y
+        c = c + f1 * y
+        a = a + d2 * z
+        b = b + e2 * z
+        c = c + f2 * z
+        h = h + h2 * z
+        state[_LINEAR + j] = a
+        state[_LINEAR + LANES + j] = b
+        state[_LINEAR + 2 * LANES + j] = c
+        state[_LINEAR + 3 * LANES + j] = h
 
 
 @scalar
@@ -284,12 +445,61 @@ def _wrap(angle):
 
 @scalar
 def _record(state, sample, start, filled, interval, history):
+    """States after ``sample``; the heading there is half a turn past its mid-interval value."""
     for j in range(filled):
-        history[0, sample, start + j] = interval * interval * state[_PL, j]
-        history[1, sample, start + j] = interval * interval * state[_PD, j]
-        history[2, sample, start + j] = interval * state[_VL, j]
-        history[3, sample, start + j] = interval * state[_VD, j]
-        history[4, sample, start + j] = interval * state[_YAW_SUM, j]
+        history[0, sample, start + j] = interval * interval * state[_PL + j]
+        history[1, sample, start + j] = interval * interval * state[_PD + j]
+        history[2, sample, start + j] = interval * state[_VL + j]
+        history[3, sample, start + j] = interval * state[_VD + j]
+        heading = math.atan2(state[_SIN + j], state[_COS + j]) + state[_HALF_TURN + j]
+        history[4, sample, start + j] = heading
+
+
+@scalar
+def _angles_from(direction, x_row, y_row, state, angle_row):
+    """Angles of the lanes' vectors from a direction, in (-pi, pi].
+
+    A first guess from the tangent is corrected by what a turn back by it leaves:
+    exact to rounding below 0.4 rad; the few lanes beyond use the arc tangent.
+    """
+    c0 = math.cos(direction)
+    s0 = math.sin(direction)
+    for j in range(LANES):
+        c = c0 * state[x_row + j] + s0 * state[y_row + j]
+        s = c0 * state[y_row + j] - s0 * state[x_row + j]
+        tangent = s / c
+        guess = tangent - tangent * tangent * tangent * (1 / 3)
+        c, s = turn(c, s, -guess)
+        rest = s / c
+        q = rest * rest
+        state[angle_row + j] = guess + (rest + rest * q * (-1 / 3 + q * (1 / 5)))
+    for j in range(LANES):
+        c = c0 * state[x_row + j] + s0 * state[y_row + j]
+        s = c0 * state[y_row + j] - s0 * state[x_row + j]
+        if not abs(s) < 0.4 * c:
+            state[angle_row + j] = math.atan2(s, c)
+
+
+@scalar
+def _finish(state, start, filled, interval, final, errors, linear):
+    """Errors at the last sample; linear errors where they are wanted."""
+    t2 = interval * interval
+    for j in range(filled):
+        along = t2 * state[_PL + j] - final[0]
+        across = t2 * state[_PD + j] - final[1]
+        errors[0, start + j] = along
+        errors[1, start + j] = across
+        errors[2, start + j] = math.sqrt(along * along + across * across)
+    _angles_from(final[2], _COS, _SIN, state, _COURSE)
+    for j in range(filled):
+        errors[3, start + j] = _wrap(state[_COURSE + j] + state[_HALF_TURN + j])
+    _angles_from(final[3], _VL, _VD, state, _COURSE)
+    for j in range(filled):
+        errors[4, start + j] = state[_COURSE + j]
+    if linear.shape[1] > 0:
+        for error in range(LINEAR_ERRORS):
+            for j in range(filled):
+                linear[error, start + j] = state[_LINEAR + error * LANES + j]
 
 
 @kernel
@@ -305,8 +515,11 @@ def simulate(
     interval: float,
     trapezoidal: bool,
     previous_share: float,
-    exact_turns: bool,
+    largest_turn: float,
+    sensitivity: Array,
+    linear_constants: Array,
     errors: Array,
+    linear: Array,
     history: Array,
 ) -> None:
     """Dead-reckon ``count`` realizations from number ``first`` on; their errors at the last sample.
@@ -316,9 +529,9 @@ def simulate(
     key, first : uint64
         Key of the random numbers and index of the first realization.
     count : int
-    signals : float64 (3, n + 1)
-        Undisturbed forward and left acceleration (m/s^2) and yaw rate (rad/s) at
-        samples 0 ... n; sample 0 is the known initial state.
+    signals : float64 (n + 1, 3)
+        Undisturbed forward and left acceleration (m/s^2) and turn per interval (rad)
+        at samples 0 ... n; sample 0 is the known initial state.
     white : float64 (3,)
         Standard deviation of the white noise of one sample, per channel.
     deviations : float64 (7,)
@@ -335,58 +548,69 @@ def simulate(
     previous_share : float
         Weight of the previous sample in the interval's mean: 1/2 for momentary
         samples, 0 for samples that are already means over the interval.
-    exact_turns : bool
-        Exact sine and cosine; needed where a turn may exceed ``LARGEST_TURN``.
+    largest_turn : float
+        A bound of the turn per sample (rad); it decides how headings are turned.
+    sensitivity : float64 (n + 1, LINEAR_WEIGHTS)
+        Linear errors per unit normal of each channel and sample: along, across and course
+        from each channel, heading from the turn.
+    linear_constants : float64 (4, 12)
+        Linear errors per unit normal of each constant.
     errors : float64 (5, count), written
         along, across, position (m), heading, course (rad).
+    linear : float64 (4, count) or (4, 0), written
+        Linear errors of the same realizations, unless empty.
     history : float64 (HISTORY_ROWS, n + 1, count) or (0, 0, 0), written
         Reconstructed states at every sample, unless empty.
     """
-    n = signals.shape[1] - 1
+    n = signals.shape[0] - 1
     record = history.shape[1] > 0
-    random_state = np.empty((4, LANES), np.uint32)
-    normals = np.empty((3 * GROUP, LANES), np.float32)
-    constants = np.empty((_N_CONSTANTS, LANES), np.float32)
-    biases = np.empty((3, LANES), np.float64)
-    state = np.empty((_N_STATE, LANES), np.float64)
-    t2 = interval * interval
+    with_linear = linear.shape[1] > 0
+    little = largest_turn <= LITTLE_TURN
+    exact = largest_turn > LARGEST_TURN
+    for channel in range(3):
+        little = little and deviations[channel] == 0.0
+    by_fours = not (trapezoidal or exact or record)
+    random_state = np.empty(4 * LANES, np.uint32)
+    normals = np.empty(3 * GROUP * LANES, np.float32)
+    constants = np.empty(N_CONSTANTS * LANES, np.float32)
+    state = np.empty(_N_STATE, np.float64)
     for block in range((count + LANES - 1) // LANES):
         start = block * LANES
         filled = min(LANES, count - start)
         block_first = first + uint64(start)
         _draw_constants(key, block_first, constants)
-        _set_biases(constants, deviations, biases)
-        _start(constants, deviations, initial, white, signals, interval, state)
+        _start(constants, deviations, white, initial, signals, interval, state)
+        if with_linear:
+            _start_linear(constants, linear_constants, state)
         _seed_lanes(key, block_first, WHITE_NOISE, random_state)
         if record:
             _record(state, 0, start, filled, interval, history)
-        for group in range((n + GROUP - 1) // GROUP):
+        for i in range(1, n + 1, GROUP):
+            size = min(GROUP, n + 1 - i)
             _draw_group(random_state, normals)
-            for k in range(min(GROUP, n - group * GROUP)):
-                i = group * GROUP + k + 1
-                if trapezoidal:
-                    if exact_turns:
-                        _advance_trapezoidal_exactly(
-                            i, k, normals, biases, signals, white, interval, previous_share, state
-                        )
-                    else:
-                        _advance_trapezoidal(
-                            i, k, normals, biases, signals, white, interval, previous_share, state
-                        )
-                elif exact_turns:
-                    _advance_rectangular_exactly(
-                        i, k, normals, biases, signals, white, interval, state
-                    )
+            if with_linear and size == GROUP:
+                _add_linear_of_two(i, 0, normals, sensitivity, state)
+                _add_linear_of_two(i + 2, 6 * LANES, normals, sensitivity, state)
+            elif with_linear:
+                for k in range(size):
+                    _add_linear(i + k, k, normals, sensitivity, state)
+            if by_fours and size == GROUP:
+                if little:
+                    _advance_four_little(i, normals, signals, white, state)
                 else:
-                    _advance_rectangular(i, k, normals, biases, signals, white, interval, state)
+                    _advance_four(i, normals, signals, white, state)
+                continue
+            for k in range(size):
+                if trapezoidal and exact:
+                    _advance_trapezoidal_exactly(
+                        i + k, k, normals, signals, white, previous_share, state
+                    )
+                elif trapezoidal:
+                    _advance_trapezoidal(i + k, k, normals, signals, white, previous_share, state)
+                elif exact:
+                    _advance_exactly(i + k, k, normals, signals, white, state)
+                else:
+                    _advance(i + k, k, normals, signals, white, state)
                 if record:
-                    _record(state, i, start, filled, interval, history)
-        for j in range(filled):
-            along = t2 * state[_PL, j] - final[0]
-            across = t2 * state[_PD, j] - final[1]
-            errors[0, start + j] = along
-            errors[1, start + j] = across
-            errors[2, start + j] = math.sqrt(along * along + across * across)
-            errors[3, start + j] = _wrap(interval * state[_YAW_SUM, j] - final[2])
-            course = math.atan2(state[_VD, j], state[_VL, j])
-            errors[4, start + j] = _wrap(course - final[3])
+                    _record(state, i + k, start, filled, interval, history)
+        _finish(state, start, filled, interval, final, errors, linear)

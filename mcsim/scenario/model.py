@@ -325,9 +325,11 @@ class MonteCarlo(Block):
     max_realizations: Annotated[int, Ge(1000), Le(20_000_000)] = 1_000_000
     """Where `precision` gives up."""
     seed: Annotated[int, Ge(0), Le(LARGEST_SEED)] = 1
+    estimator: Literal["control_variate", "plain"] = "control_variate"
+    """`control_variate` estimates only what the linear model leaves, `plain` everything."""
     confidence: Confidence = 3.0
     """Confidence of the intervals, `3 sigma` or `95 %`."""
-    resamples: Annotated[int, Ge(100), Le(100_000)] = 2000
+    resamples: Annotated[int, Ge(100), Le(100_000)] = 1000
     """Bootstrap resamples."""
     common_random_numbers: bool = False
     """The same random numbers at every point of the sweep."""

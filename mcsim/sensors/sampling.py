@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Signals = Callable[[Array, float], Array]
 
 #: Rate of the dense truth that decimation starts from (Hz).
 DENSE_RATE = 1000.0
@@ -22,19 +23,19 @@ _FEWEST_AVERAGED = 8
 
 def oversampling(rate: float) -> int:
     """Dense steps per sensor sample: the dense step nearest 1 ms that the rate divides."""
-    return max(1, round(DENSE_RATE / rate))
+    fewer = max(1, int(DENSE_RATE / rate))
+    return min((fewer, fewer + 1), key=lambda steps: abs(1.0 / (rate * steps) - 1.0 / DENSE_RATE))
 
 
-def sample(
-    signals: Callable[[Array], Array], start: float, rate: float, count: int, method: str
-) -> Array:
+def sample(signals: Signals, start: float, rate: float, count: int, method: str) -> Array:
     """Sample ideal signals at ``start + i / rate``, i = 0 ... count.
 
     Parameters
     ----------
     signals : callable
-        Times (k,) in s to channels (c, k); defined beyond the track as well, where
-        it goes straight on: the filters look further than the leads reach.
+        Times (k,) in s and a width (s) to channels (c, k): momentary values, but the
+        mean over the width where it holds a jump.  Defined beyond the track as well,
+        where it goes straight on: the filters look further than the leads reach.
     start : float
         Time of sample 0 (s).
     rate : float
@@ -56,14 +57,14 @@ def sample(
     if method == "average":
         return _average(signals, start, rate, count, max(factor, _FEWEST_AVERAGED))
     if method == "none" or factor == 1:
-        return signals(start + np.arange(count + 1) / rate)
+        return signals(start + np.arange(count + 1) / rate, 0.0)
     if method == "fir":
         return _fir(signals, start, rate, count, factor)
     return _iir(signals, start, rate, count, factor)
 
 
 def _dense(
-    signals: Callable[[Array], Array],
+    signals: Signals,
     start: float,
     rate: float,
     count: int,
@@ -71,13 +72,13 @@ def _dense(
     margin: int,
 ) -> Array:
     """Dense signals from ``margin`` sensor samples before the first to as many after the last."""
-    steps = np.arange(-margin * factor, (count + margin) * factor + 1)
-    return signals(start + steps / (rate * factor))
+    steps: Array = np.arange(-margin * factor, (count + margin) * factor + 1, dtype=float)
+    step = 1.0 / (rate * factor)
+    times: Array = start + steps * step
+    return signals(times, step)
 
 
-def _fir(
-    signals: Callable[[Array], Array], start: float, rate: float, count: int, factor: int
-) -> Array:
+def _fir(signals: Signals, start: float, rate: float, count: int, factor: int) -> Array:
     from scipy.signal import firwin, upfirdn
 
     taps = firwin(2 * FIR_HALF_LENGTH * factor + 1, 1.0 / factor, window="hamming")
@@ -87,9 +88,7 @@ def _fir(
     return np.ascontiguousarray(filtered[:, 2 * FIR_HALF_LENGTH : 2 * FIR_HALF_LENGTH + count + 1])
 
 
-def _iir(
-    signals: Callable[[Array], Array], start: float, rate: float, count: int, factor: int
-) -> Array:
+def _iir(signals: Signals, start: float, rate: float, count: int, factor: int) -> Array:
     from scipy.signal import cheby1, sosfiltfilt
 
     sections = cheby1(_IIR_ORDER, _IIR_RIPPLE_DB, _IIR_CUTOFF / factor, output="sos")
@@ -101,9 +100,7 @@ def _iir(
     return np.ascontiguousarray(filtered[:, first : first + count * factor + 1 : factor])
 
 
-def _average(
-    signals: Callable[[Array], Array], start: float, rate: float, count: int, factor: int
-) -> Array:
+def _average(signals: Signals, start: float, rate: float, count: int, factor: int) -> Array:
     dense = _dense(signals, start, rate, count, factor, 1)
     weights = np.full(factor + 1, 1.0 / factor)
     weights[[0, -1]] *= 0.5

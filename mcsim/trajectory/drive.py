@@ -142,18 +142,10 @@ class Drive:
 
         At a jump of the accelerations their value is the mean of both sides.
         """
-        duration = self.manoeuvre.duration
-        within = np.clip(t, 0.0, duration)
+        within = np.clip(t, 0.0, self.manoeuvre.duration)
         inner = self.manoeuvre.motion(within)
         outside = t - within
-        signals = self._signals(t)
-        jumps = np.array([0.0, *self.manoeuvre.jumps, duration])
-        on_jump = np.min(np.abs(t[..., None] - jumps), axis=-1) < _BESIDE
-        if np.any(on_jump):
-            beside = 0.5 * (
-                self._signals(t[on_jump] - 2 * _BESIDE) + self._signals(t[on_jump] + 2 * _BESIDE)
-            )
-            signals[:, on_jump] = beside
+        signals = self.signals(t)
         return Motion(
             along=inner.along + outside * inner.velocity_along,
             across=inner.across + outside * inner.velocity_across,
@@ -173,7 +165,21 @@ class Drive:
         signals[:, inside] = motion.forward, motion.left, motion.yaw_rate
         return signals
 
-    def signals(self, t: Array) -> Array:
-        """What ideal sensors measure at times ``t`` (k,): forward, left, yaw rate (3, k)."""
-        motion = self.motion(t)
-        return np.stack([motion.forward, motion.left, motion.yaw_rate])
+    def signals(self, t: Array, width: float = 0.0) -> Array:
+        """What ideal sensors measure at times ``t`` (k,): forward, left, yaw rate (3, k).
+
+        A time on a jump takes the mean of both sides.  With a ``width`` (s), a time whose
+        cell of that width holds a jump takes the mean over its cell, so that a grid of
+        cells keeps the integral wherever the jump lies between its points.
+        """
+        signals = self._signals(t)
+        half = max(0.5 * width, _BESIDE)
+        for jump in (0.0, *self.manoeuvre.jumps, self.manoeuvre.duration):
+            near = np.abs(t - jump) < half
+            if np.any(near):
+                before = np.clip(0.5 + (jump - t[near]) / (2.0 * half), 0.0, 1.0)
+                if width == 0.0:
+                    before[:] = 0.5
+                sides = self._signals(jump + np.array([-2.0, 2.0]) * _BESIDE)
+                signals[:, near] = before * sides[:, :1] + (1.0 - before) * sides[:, 1:]
+        return signals

@@ -8,14 +8,17 @@ from tests.reference.random_numpy import constants, white_noise
 
 
 def reconstruct(problem, key: int, realizations, trapezoidal: bool) -> dict[str, np.ndarray]:
-    """States of every realization at every sample, arrays (n + 1, r)."""
+    """States of every realization at every sample, arrays (n + 1, r).
+
+    The third channel of a problem is the turn per interval, Omega T.
+    """
     truth, t = problem.truth, problem.interval
     n = problem.n_samples
     z = constants(key, realizations)
     d = problem.deviations
     white = np.concatenate([z[None, 8:11], white_noise(key, realizations, n)])
     measured = (
-        problem.signals.T[:, :, None]
+        problem.signals[:, :, None]
         + (d[:3, None] * z[:3])[None]
         + problem.white[None, :, None] * white
     )
@@ -29,13 +32,13 @@ def reconstruct(problem, key: int, realizations, trapezoidal: bool) -> dict[str,
         if trapezoidal:
             share = problem.previous_share
             mean = (1.0 - share) * measured[i] + share * measured[i - 1]
-            middle = psi + 0.5 * t * mean[2]
-            psi = psi + t * mean[2]
+            middle = psi + 0.5 * mean[2]
+            psi = psi + mean[2]
             a = (mean[0] + 1j * mean[1]) * np.exp(1j * middle)
             p = p + t * v + 0.5 * t**2 * a
             v = v + t * a
         else:
-            psi = psi + t * measured[i, 2]
+            psi = psi + measured[i, 2]
             a = (measured[i, 0] + 1j * measured[i, 1]) * np.exp(1j * psi)
             v = v + t * a
             p = p + t * v

@@ -52,12 +52,12 @@ def xoshiro(state):
 
 
 def normal_pair(radius_word, angle_word):
-    """Box-Muller; the lowest bit of the second word completes the circle."""
-    u = (radius_word.astype(float) + 0.5) / 2.0**32
+    """Box-Muller; the second word's lowest bit is also the sign that completes the circle."""
+    u = (radius_word | np.uint64(1)).astype(float) / 2.0**32
     r = np.sqrt(-2.0 * np.log(u))
     r = np.where(angle_word & np.uint64(1), -r, r)
-    upper = (angle_word & ~np.uint64(1)).astype(np.int64)
-    signed = np.where(upper >= 2**31, upper - 2**32, upper)
+    word = angle_word.astype(np.int64)
+    signed = np.where(word >= 2**31, word - 2**32, word)
     angle = signed * (np.pi / 2.0**32)
     return r * np.cos(angle), r * np.sin(angle)
 

@@ -1,0 +1,179 @@
+"""The planar reconstruction linearised around its undisturbed run.
+
+Every disturbance is a standard normal times its deviation; to first order the end
+errors are a weighted sum of them all.  The weights follow from Eq. (2) and (3): an
+acceleration acts on velocity from its sample on and on position ever after; a turn
+of the heading turns every later acceleration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.cases.problem import LinearModel
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: Rows of the weights: along, across, heading, course.
+ALONG, ACROSS, HEADING, COURSE = range(4)
+#: Columns of the constants that the kernel draws (see ``mcsim.kernels.planar``).
+_SPEED, _DIRECTION, _HEADING, _COURSE, _SAMPLE_0 = 3, 4, 5, 6, 8
+_SOURCES = {
+    "accelerometer noise": ((0, 1), (_SAMPLE_0, _SAMPLE_0 + 1)),
+    "gyroscope noise": ((2,), (_SAMPLE_0 + 2,)),
+    "accelerometer miscalibration": ((), (0, 1)),
+    "gyroscope miscalibration": ((), (2,)),
+    "initial speed error": ((), (_SPEED,)),
+    "initial direction error": ((), (_DIRECTION,)),
+    "initial heading error": ((), (_HEADING,)),
+    "initial course error": ((), (_COURSE,)),
+}
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Errors (4: along, across, heading, course) per unit normal.
+
+    ``samples`` (4, n + 1, 3) of each channel's noise at each sample (sample 0 is among
+    the constants); ``constants`` (4, 12) of what a realization draws once.
+    """
+
+    samples: Array
+    constants: Array
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance (4, 4) of the linear errors."""
+        flat = self.samples.reshape(4, -1)
+        return flat @ flat.T + self.constants @ self.constants.T
+
+    def variances(self) -> Mapping[str, Array]:
+        """Variance (4,) of the linear errors by source."""
+        return {
+            source: sum(
+                (np.sum(self.samples[:, :, channel] ** 2, axis=1) for channel in channels),
+                start=np.sum(self.constants[:, list(columns)] ** 2, axis=1),
+            )
+            for source, (channels, columns) in _SOURCES.items()
+        }
+
+
+def linear_weights(
+    signals: Array,
+    white: Array,
+    deviations: Array,
+    start: Array,
+    interval: float,
+    trapezoidal: bool,
+    previous_share: float,
+) -> Weights:
+    """Weights of all disturbances.
+
+    Parameters are those of ``mcsim.kernels.planar.simulate``: ``signals`` (n + 1, 3)
+    with turns per interval, ``start`` the state along, across, speed, heading, course.
+    """
+    n = len(signals) - 1
+    share = previous_share if trapezoidal else 0.0
+    own_turn = 0.5 if trapezoidal else 1.0
+    means = (1.0 - share) * signals[1:] + share * signals[:-1]
+    turned = start[3] + np.cumsum(means[:, 2]) - (1.0 - own_turn) * means[:, 2]
+    rotation = np.exp(1j * turned)
+    acceleration = rotation * (means[:, 0] + 1j * means[:, 1])
+    # How long each sample's velocity acts on the position, in intervals.
+    acts = n - np.arange(n) - (0.5 if trapezoidal else 0.0)
+    direction = np.exp(1j * start[4])
+    velocity = start[2] * direction + interval * np.sum(acceleration)
+
+    # Velocity and position at the end per unit mean forward, left acceleration and turn.
+    velocity_of = np.empty((n, 3), complex)
+    position_of = np.empty((n, 3), complex)
+    velocity_of[:, 0] = interval * rotation
+    position_of[:, 0] = interval**2 * acts * rotation
+    for of in (velocity_of, position_of):
+        of[:, 1] = 1j * of[:, 0]
+    for of, weight in ((velocity_of, interval), (position_of, interval**2 * acts)):
+        turning = 1j * weight * acceleration
+        of[:, 2] = _later(turning) + own_turn * turning
+
+    per_mean = _end_errors(position_of, velocity_of, np.array([0.0, 0.0, 1.0]), velocity)
+    # A sample counts in the mean of its own interval and of the next.
+    per_sample = np.zeros((4, n + 1, 3))
+    per_sample[:, 1:] += (1.0 - share) * per_mean
+    per_sample[:, :-1] += share * per_mean
+
+    constants = np.zeros((4, 12))
+    constants[:, :3] = per_mean.sum(axis=1) * deviations[:3]
+    moved = np.array([direction, 1j * start[2] * direction], complex)
+    speed, course = _end_errors(moved * complex(n * interval), moved, np.zeros(2), velocity).T
+    all_turned = 1j * interval * np.sum(acceleration)
+    all_moved = 1j * interval**2 * np.sum(acts * acceleration)
+    (heading,) = _end_errors(np.array([all_moved]), np.array([all_turned]), np.ones(1), velocity).T
+    constants[:, _SPEED] = speed * deviations[3]
+    constants[:, _DIRECTION] = (heading + course) * deviations[4]
+    constants[:, _HEADING] = heading * deviations[5]
+    constants[:, _COURSE] = course * deviations[6]
+    constants[:, _SAMPLE_0 : _SAMPLE_0 + 3] = per_sample[:, 0] * white
+    per_sample[:, 0] = 0.0
+    return Weights(per_sample * white, constants)
+
+
+def _later(values: Complex) -> Complex:
+    """Sum of all later values, for each."""
+    return np.cumsum(values[::-1])[::-1] - values
+
+
+def _end_errors(position: Complex, velocity: Complex, heading: Array, end: complex) -> Array:
+    """Along, across, heading and course errors (4, …) of small changes at the end."""
+    course = (velocity / end).imag if end != 0.0 else np.zeros(velocity.shape)
+    return np.stack(
+        [position.real, position.imag, np.broadcast_to(heading, position.shape), course]
+    )
+
+
+def linear_model(weights: Weights, method: Array) -> LinearModel:
+    """Moments of the controls of along, across, position, heading and course errors.
+
+    The control of the position error is the length of (method error + linear error)
+    less that of the method error; its moments follow from the exact distribution.
+    """
+    covariance = weights.covariance
+    order = [ALONG, ACROSS, HEADING, COURSE]
+    mean = np.zeros(5)
+    second = np.empty(5)
+    second[[0, 1, 3, 4]] = np.diag(covariance)[order]
+    plane = covariance[:2, :2]
+    offset = float(np.hypot(method[0], method[1]))
+    length = mean_length(method[:2], plane)
+    mean[2] = length - offset
+    second[2] = 2.0 * offset**2 + np.trace(plane) - 2.0 * offset * length
+    variances = {
+        source: np.array([v[ALONG], v[ACROSS], v[ALONG] + v[ACROSS], v[HEADING], v[COURSE]])
+        for source, v in weights.variances().items()
+    }
+    return LinearModel(mean, second, variances)
+
+
+def mean_length(centre: Array, covariance: Array) -> float:
+    """Mean length of a plane normal vector, exact to quadrature.
+
+    ``E sqrt(Q) = 1 / (2 sqrt(pi)) integral (1 - E exp(-t Q)) t^(-3/2) dt`` with the
+    moment generating function of a quadratic form; substituting t = exp(2 x) makes the
+    integrand smooth and doubly decaying, where the trapezoidal rule converges fast.
+    """
+    values, vectors = np.linalg.eigh(covariance)
+    values = np.maximum(values, 0.0)
+    squares = (vectors.T @ centre) ** 2
+    scale = float(np.sum(values) + np.sum(squares))
+    if scale <= 0.0:
+        return 0.0
+    values, squares = values / scale, squares / scale
+    x = np.linspace(-38.0, 38.0, 3041)
+    t = np.exp(2.0 * x)[:, None]
+    log_mgf = -np.sum(0.5 * np.log1p(2.0 * t * values) + t * squares / (1.0 + 2.0 * t * values), 1)
+    integrand = -np.expm1(log_mgf) * np.exp(-x)
+    return float(np.sqrt(scale / np.pi) * np.sum(integrand) * (x[1] - x[0]))

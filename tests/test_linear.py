@@ -1,0 +1,151 @@
+"""The linear model: weights against finite differences, moments against quadrature and sampling."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from mcsim.cases.planar_linear import mean_length
+from tests.conftest import ALL_ERRORS, problem
+
+EVERYTHING = {
+    **ALL_ERRORS,
+    "initial.heading_error": "0.2 °",
+    "initial.course_error": "0.3 °",
+    "trajectory.deceleration": "1 m/s^2",
+}
+
+
+def end_errors(p, change):
+    """Undisturbed end errors after a change of the signals or the initial state."""
+    signals, start = p.signals.copy(), p._start.copy()
+    change(signals, start)
+    shifted = replace(p, signals=signals)
+    shifted.__dict__["_start"] = start
+    return shifted.method_errors()[[0, 1, 3, 4]]
+
+
+def slope(p, change, step):
+    up = end_errors(p, lambda s, x: change(s, x, step))
+    down = end_errors(p, lambda s, x: change(s, x, -step))
+    return (up - down) / (2 * step)
+
+
+@pytest.mark.parametrize("integration", ["rectangular", "trapezoidal"])
+@pytest.mark.parametrize("sampling", ["fir", "average"])
+def test_weights_are_derivatives(integration, sampling):
+    """Central differences of the kernel itself, for samples, offsets and the initial state."""
+    p = problem(
+        {
+            **EVERYTHING,
+            "reconstruction.integration": integration,
+            "sensors.sampling": sampling,
+        }
+    )
+    w = p.weights
+    h = 1e-4
+    for i in (0, 1, 2, 77, p.n_samples - 1, p.n_samples):
+        for channel in range(3):
+
+            def disturb(signals, _start, step, i=i, channel=channel):
+                signals[i, channel] += step
+
+            expected = slope(p, disturb, h) * p.white[channel]
+            ours = w.constants[:, 8 + channel] if i == 0 else w.samples[:, i, channel]
+            largest = np.abs(w.samples).max()
+            np.testing.assert_allclose(ours, expected, rtol=1e-4, atol=1e-6 * largest)
+    for channel in range(3):
+
+        def offset(signals, _start, step, channel=channel):
+            signals[:, channel] += step
+
+        expected = slope(p, offset, 1e-6) * p.deviations[channel]
+        np.testing.assert_allclose(w.constants[:, channel], expected, rtol=1e-5, atol=1e-10)
+    for column, places in ((3, [2]), (4, [3, 4]), (5, [3]), (6, [4])):
+
+        def start_differs(_signals, start, step, places=places):
+            start[places] += step
+
+        expected = slope(p, start_differs, 1e-5) * p.deviations[column]
+        np.testing.assert_allclose(w.constants[:, column], expected, rtol=1e-5, atol=1e-10)
+
+
+@pytest.mark.parametrize("integration", ["rectangular", "trapezoidal"])
+def test_controls_follow_the_errors_and_their_moments_are_exact(integration):
+    """Small disturbances: controls equal errors; their moments hold within sampling error."""
+    p = problem({**EVERYTHING, "reconstruction.integration": integration})
+    n = 100_000
+    sample = p.simulate(11, 0, n, controls=True)
+    u = sample.errors - p.method_errors()[:, None]
+    residual = (u - sample.controls).std(axis=1) / u.std(axis=1)
+    assert (residual < 0.03).all()
+    assert residual[3] < 1e-9  # the heading is exactly linear
+    mean, second = p.linear.mean, p.linear.second_moment
+    spread = np.sqrt(second - mean**2)
+    assert np.abs((sample.controls.mean(axis=1) - mean) / spread).max() < 5 / np.sqrt(n)
+    c2 = sample.controls**2
+    assert np.abs((c2.mean(axis=1) - second) / c2.std(axis=1)).max() < 5 / np.sqrt(n)
+
+
+def test_realizations_do_not_depend_on_controls():
+    p = problem(EVERYTHING)
+    with_controls = p.simulate(1, 0, 300, controls=True).errors
+    assert np.array_equal(p.simulate(1, 0, 300).errors, with_controls)
+
+
+def test_sources_add_up_to_the_whole_variance():
+    p = problem(EVERYTHING)
+    total = sum(p.linear.variances.values())
+    covariance = p.weights.covariance
+    np.testing.assert_allclose(total[[0, 1, 3, 4]], np.diag(covariance), rtol=1e-12)
+    assert len(p.linear.variances) == 8
+    for source, parts in p.linear.variances.items():
+        assert np.all(parts >= 0.0)
+        assert parts.max() > 0.0, source
+
+
+def test_one_source_alone_is_its_share():
+    """Simulated with a single disturbance, the deviation is that source's share."""
+    p = problem(EVERYTHING)
+    for source, keep in (
+        ("gyroscope miscalibration", [2]),
+        ("initial speed error", [3]),
+        ("initial direction error", [4]),
+    ):
+        only = np.zeros(7)
+        only[keep] = p.deviations[keep]
+        alone = replace(p, white=np.zeros(3), deviations=only)
+        deviation = alone.simulate(3, 0, 20_000).errors.std(axis=1)
+        expected = np.sqrt(p.linear.variances[source])
+        np.testing.assert_allclose(
+            deviation[[0, 1, 3, 4]], expected[[0, 1, 3, 4]], rtol=0.03, atol=2e-4
+        )
+
+
+@pytest.mark.parametrize(
+    ("centre", "covariance", "expected"),
+    [
+        ([0, 0], [[1, 0], [0, 1]], np.sqrt(np.pi / 2)),
+        ([1, 0], [[0.25, 0], [0, 0.25]], stats.rice(2, scale=0.5).mean()),
+        ([0, 0], [[4, 0], [0, 0]], 2 * np.sqrt(2 / np.pi)),
+        ([3, 4], [[0, 0], [0, 0]], 5.0),
+        ([3, 4], [[1e-16, 0], [0, 1e-16]], 5.0),
+        ([0, 0], [[0, 0], [0, 0]], 0.0),
+    ],
+)
+def test_mean_length_of_plane_normal_vectors(centre, covariance, expected):
+    """Rayleigh, Rice, half-normal and certain lengths."""
+    ours = mean_length(np.array(centre, float), np.array(covariance, float))
+    assert ours == pytest.approx(expected, rel=1e-12, abs=1e-15)
+
+
+def test_mean_length_of_a_correlated_vector():
+    from scipy.integrate import dblquad
+
+    centre, covariance = np.array([0.7, -0.4]), np.array([[0.9, 0.5], [0.5, 0.6]])
+    density = stats.multivariate_normal(centre, covariance).pdf
+    expected, _ = dblquad(
+        lambda y, x: np.hypot(x, y) * density([x, y]), -8, 8, -8, 8, epsabs=1e-8, epsrel=1e-8
+    )
+    assert mean_length(centre, covariance) == pytest.approx(expected, abs=1e-6)
