@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from mcsim.results import Results, assemble
+from mcsim.errors import McsimError
+from mcsim.results import Results, assemble, check
 from mcsim.scenario import Scenario
 from mcsim.store import Checkpoint, save
-from mcsim.sweep import Progress, check_points, run_sweep
+from mcsim.sweep import Progress, run_sweep
 
 
 def run(
@@ -41,8 +42,10 @@ def run(
     ------
     InputError
         A point that cannot run, or an output folder that cannot be written.
+    McsimError
+        No point could be run.
     """
-    check_points(scenario)
+    check(scenario)
     begun = time.perf_counter()
     if output is None:
         sweep = run_sweep(scenario, jobs, progress)
@@ -52,9 +55,17 @@ def run(
     done = checkpoint.read()
     with checkpoint.writer() as keep:
         sweep = run_sweep(scenario, jobs, progress, done, keep)
+    if not sweep.points:
+        raise McsimError(
+            f"{scenario.name}: no point could be run, nothing was written: "
+            f"{next(iter(sweep.failures.values()))}"
+        )
     results = assemble(scenario, sweep, time.perf_counter() - begun)
     save(results, folder)
     from mcsim.figures import save_figures
 
     save_figures(results, folder)
+    # Failed points are tried again by the same command; the others are kept till then.
+    if not sweep.failures:
+        checkpoint.remove()
     return results

@@ -16,7 +16,7 @@ from mcsim.engine import PointResult, point_key
 from mcsim.errors import InputError
 from mcsim.scenario import STATISTICS, Point, Scenario
 from mcsim.statistics import ESTIMATED
-from mcsim.sweep import SweepResult
+from mcsim.sweep import SweepResult, check_points, describe_point
 from mcsim.units import degrees
 from mcsim.version import __version__
 
@@ -69,14 +69,28 @@ class Results:
         return list(self.provenance["failures"])
 
 
-def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
-    """Turn the points' results into tables.
+def check(scenario: Scenario) -> None:
+    """Refuse, before anything runs, what cannot run or would not fit in memory.
 
     Raises
     ------
     InputError
-        Histories of so many points that they would not fit in memory.
+        A point's track cannot be built or sampled, or too many histories are asked for.
     """
+    counts = check_points(scenario)
+    outputs = scenario.base.outputs
+    per_sample = outputs.tracks + outputs.history * len(UNITS) * len(HISTORY_STATISTICS)
+    rows = per_sample * sum(count + 1 for count in counts)
+    if rows > _MOST_HISTORY_ROWS:
+        raise InputError(
+            f"{scenario.document.place(('outputs',))}: outputs: histories and tracks of "
+            f"{scenario.n_points} points need {rows:,} rows, more than {_MOST_HISTORY_ROWS:,}; "
+            "sweep fewer points or keep fewer tracks"
+        )
+
+
+def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
+    """Turn the points' results into tables."""
     remarks = _remarks(scenario, sweep)
     history, tracks = _over_time(scenario)
     return Results(
@@ -139,7 +153,7 @@ def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | 
     outputs = scenario.base.outputs
     if not outputs.history and not outputs.tracks:
         return None, None
-    histories, tracks, rows = [], [], 0
+    histories, tracks = [], []
     for point in scenario.points:
         settings = point.model.monte_carlo
         problem = problem_of(point.model, scenario.folder)
@@ -149,24 +163,17 @@ def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | 
             HISTORY_REALIZATIONS,
             max(_FEWEST_HISTORY_REALIZATIONS, _MOST_HISTORY_STATES // samples),
         )
+        n_tracks = min(outputs.tracks, settings.realizations or outputs.tracks)
         if not outputs.history:
-            count = outputs.tracks
-        rows += samples * (outputs.tracks + outputs.history * len(UNITS) * len(HISTORY_STATISTICS))
-        if rows > _MOST_HISTORY_ROWS:
-            raise InputError(
-                f"outputs: histories and tracks of {scenario.n_points} points would need more "
-                f"than {_MOST_HISTORY_ROWS:,} rows; sweep fewer points"
-            )
-        history = problem.history(
-            point_key(settings, point.identities), 0, max(count, outputs.tracks)
-        )
+            count = n_tracks
+        history = problem.history(point_key(settings, point.identities), 0, max(count, n_tracks))
         coordinates = {
             axis.column: value for axis, value in zip(scenario.axes, point.values, strict=True)
         }
         if outputs.history:
             histories.append(_history_frame(coordinates, history.time, history.errors[..., :count]))
         if outputs.tracks:
-            tracks.append(_tracks_frame(coordinates, history, outputs.tracks))
+            tracks.append(_tracks_frame(coordinates, history, n_tracks))
     return (
         pd.concat(histories, ignore_index=True) if histories else None,
         pd.concat(tracks, ignore_index=True) if tracks else None,
@@ -255,7 +262,8 @@ def _provenance(
         "scenario": scenario.document.tree,
         "resolved": scenario.base.model_dump(mode="json", exclude_none=True),
         "failures": [
-            f"{_describe(scenario, index)}: {reason}" for index, reason in sweep.failures.items()
+            f"{describe_point(scenario, scenario.points[index])}: {reason}"
+            for index, reason in sweep.failures.items()
         ],
         "remarks": remarks,
         "versions": {
@@ -269,11 +277,3 @@ def _provenance(
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
         "seconds": round(seconds, 3),
     }
-
-
-def _describe(scenario: Scenario, index: int) -> str:
-    values = scenario.points[index].values
-    return ", ".join(
-        f"{axis.path} = {axis.written(value)}"
-        for axis, value in zip(scenario.axes, values, strict=True)
-    )

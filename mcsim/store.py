@@ -24,7 +24,7 @@ from mcsim.version import __version__
 if TYPE_CHECKING:
     import pandas as pd
 
-TABLE, PROVENANCE, CHECKPOINT = "table", "provenance.json", ".checkpoint.jsonl"
+TABLE, PROVENANCE, CHECKPOINT = "table", "provenance.json", ".checkpoint-"
 #: Tables beside the main one; each as CSV and Parquet.
 _EXTRA_TABLES = ("history", "tracks")
 
@@ -42,11 +42,11 @@ def save(results: Results, folder: Path) -> list[Path]:
     """
     tables = {TABLE: results.table, "history": results.history, "tracks": results.tracks}
     written = []
-    with _readable_errors(folder):
+    with readable_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for name, table in tables.items():
             if table is None:
-                for ending in ("csv", "parquet"):
+                for ending in ("csv", "parquet", "png", "svg"):
                     (folder / f"{name}.{ending}").unlink(missing_ok=True)
                 continue
             written += [
@@ -55,7 +55,6 @@ def save(results: Results, folder: Path) -> list[Path]:
             ]
         text = json.dumps(results.provenance, indent=2, ensure_ascii=False) + "\n"
         written.append(write_whole(folder / PROVENANCE, lambda path: _write_text(path, text)))
-        (folder / CHECKPOINT).unlink(missing_ok=True)
     return written
 
 
@@ -95,7 +94,8 @@ def _parquet_writer(table: pd.DataFrame) -> Callable[[Path], None]:
 
 
 @contextmanager
-def _readable_errors(folder: Path) -> Iterator[None]:
+def readable_errors(folder: Path) -> Iterator[None]:
+    """Turns errors of the file system into one message about ``folder``."""
     try:
         yield
     except OSError as error:
@@ -138,7 +138,8 @@ def load_results(path: str | Path) -> Results:
     folder = file.parent
     try:
         provenance = json.loads((folder / PROVENANCE).read_text(encoding="utf-8"))
-        scenario = Scenario.from_dict(provenance["scenario"], provenance["name"], folder)
+        name = Path(provenance["name"]).name
+        scenario = Scenario.from_dict(provenance["scenario"], name, folder)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(
             f"{folder / PROVENANCE}: not the provenance of a result ({error})"
@@ -165,22 +166,22 @@ def _table_file(path: Path) -> Path:
 class Checkpoint:
     """Finished points of an unfinished sweep, one line of JSON each.
 
-    The first line tells what the points belong to; a file of another scenario, seed
-    or version is ignored.  A line cut short by a kill is dropped.
+    The file's name tells what the points belong to: a run of another scenario, seed or
+    version has another file.  Lines are only ever appended; one cut short by a kill is
+    dropped.
     """
 
     path: Path
-    identity: str
 
     @classmethod
     def of(cls, scenario: Scenario, folder: Path) -> Checkpoint:
         """The checkpoint of a scenario whose results go to ``folder``."""
         digest = hashlib.blake2b(digest_size=16)
         digest.update(f"{__version__}\n{json.dumps(scenario.document.tree)}".encode())
-        recorded = getattr(scenario.base.trajectory, "file", None)
-        if recorded is not None:
-            digest.update((scenario.folder / recorded).read_bytes())
-        return cls(folder / CHECKPOINT, digest.hexdigest())
+        recorded = {getattr(point.model.trajectory, "file", None) for point in scenario.points}
+        for name in sorted(filter(None, recorded)):
+            digest.update((scenario.folder / name).read_bytes())
+        return cls(folder / f"{CHECKPOINT}{digest.hexdigest()}.jsonl")
 
     def read(self) -> dict[int, PointResult]:
         """The points that an earlier run finished; floats to the last bit."""
@@ -188,10 +189,8 @@ class Checkpoint:
             lines = self.path.read_text(encoding="utf-8").splitlines()
         except (OSError, UnicodeDecodeError):
             return {}
-        if not lines or lines[0] != json.dumps({"mcsim checkpoint": self.identity}):
-            return {}
         points: dict[int, PointResult] = {}
-        for line in lines[1:]:
+        for line in lines:
             try:
                 index, result = _decode(json.loads(line))
             except (ValueError, KeyError, TypeError):
@@ -201,20 +200,23 @@ class Checkpoint:
 
     @contextmanager
     def writer(self) -> Iterator[Callable[[int, PointResult], None]]:
-        """A function that appends a finished point to what ``read`` found, or starts anew."""
-        with _readable_errors(self.path.parent):
+        """A function that appends a finished point."""
+        with readable_errors(self.path.parent):
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            fresh = not self.read()
-            file = self.path.open("w" if fresh else "a", encoding="utf-8")
+            file = self.path.open("a", encoding="utf-8")
         with file:
-            # A line cut short by a kill ends here, so that the next one stands alone.
-            file.write(json.dumps({"mcsim checkpoint": self.identity}) if fresh else "")
-            file.write("\n")
             yield lambda index, result: _append(file, _encode(index, result))
+        if self.path.stat().st_size == 0:
+            self.remove()
+
+    def remove(self) -> None:
+        """Forget the points: the results are written."""
+        self.path.unlink(missing_ok=True)
 
 
 def _append(file: TextIO, record: dict[str, Any]) -> None:
-    file.write(json.dumps(record) + "\n")
+    # The leading break ends a line that an earlier run may have left unfinished.
+    file.write("\n" + json.dumps(record) + "\n")
     file.flush()
 
 

@@ -10,6 +10,7 @@ from typing import Protocol
 
 from mcsim.cases import check_point, problem_of
 from mcsim.engine import PointResult, point_key, run_point
+from mcsim.errors import InputError
 from mcsim.scenario import Point, Scenario
 
 
@@ -53,16 +54,31 @@ class SweepResult:
     failures: Mapping[int, str]
 
 
-def check_points(scenario: Scenario) -> None:
-    """Refuse, before anything runs, points that cannot run.
+def check_points(scenario: Scenario) -> list[int]:
+    """Refuse, before anything runs, points that cannot run; samples per realization of each.
 
     Raises
     ------
     InputError
         A point's track cannot be built or sampled.
     """
+    counts = []
     for point in scenario.points:
-        check_point(point.model, scenario.folder)
+        try:
+            counts.append(check_point(point.model, scenario.folder))
+        except InputError as error:
+            where = describe_point(scenario, point)
+            at = f" (at {where})" if where else ""
+            raise InputError(f"{scenario.document.source}: {error}{at}") from None
+    return counts
+
+
+def describe_point(scenario: Scenario, point: Point) -> str:
+    """The coordinates of a point, as text."""
+    return ", ".join(
+        f"{axis.path} = {axis.written(value)}"
+        for axis, value in zip(scenario.axes, point.values, strict=True)
+    )
 
 
 def default_jobs() -> int:

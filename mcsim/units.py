@@ -32,13 +32,14 @@ _DEG = math.pi / 180.0
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of quantity: its SI unit and the units it may be written in."""
+    """A kind of quantity: its SI unit, the units it may be written in, its largest value."""
 
     name: str
     article: str
     si_unit: str
     factors: Mapping[str, float]
     example: str
+    largest: float = 1e6
 
     def __str__(self) -> str:
         return f"{self.article} {self.name}"
@@ -73,8 +74,8 @@ _ROOT_HERTZ = {"√Hz": 1.0}
 _ROOT_TIME = {"√s": 1.0, "√h": 60.0}
 
 _KINDS = (
-    Kind("length", "a", "m", _LENGTH, "50 m"),
-    Kind("time", "a", "s", _TIME, "100 ms"),
+    Kind("length", "a", "m", _LENGTH, "50 m", largest=1e8),
+    Kind("time", "a", "s", _TIME, "100 ms", largest=1e8),
     Kind("angle", "an", "rad", _ANGLE, "0.1 °"),
     Kind("frequency", "a", "Hz", _FREQUENCY, "100 Hz"),
     Kind("speed", "a", "m/s", _SPEED, "20 m/s"),
@@ -207,7 +208,13 @@ def parse(text: str, kind: Kind) -> float:
             f'"{text}" has no unit; write for example "{_with_unit_of(text, kind)}" '
             f"(units of {kind}: {', '.join(kind.factors)})"
         )
-    return value * factor(unit, kind, text)
+    si = value * factor(unit, kind, text)
+    if abs(si) > kind.largest:
+        raise UnitError(
+            f'"{text}" is beyond any use; '
+            f"the largest {kind.name} is {kind.largest:g} {kind.si_unit}"
+        )
+    return si
 
 
 def _with_unit_of(number: str, kind: Kind) -> str:

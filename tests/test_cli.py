@@ -149,18 +149,18 @@ def test_interrupted_runs_exit_with_130_and_go_on_later(scenario_file, tmp_path)
         stderr=subprocess.PIPE,
         text=True,
     )
-    checkpoint = out / "case" / ".checkpoint.jsonl"
     deadline = time.monotonic() + 100
     while time.monotonic() < deadline:
-        if checkpoint.exists() and checkpoint.read_text().count("\n") > 2:
+        kept = list((out / "case").glob(".checkpoint-*"))
+        if kept and kept[0].stat().st_size > 0:
             break
-        time.sleep(0.1)
+        time.sleep(0.05)
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=60)
     assert process.returncode == 130, err
     assert "the same command goes on from there" in err
     assert "Traceback" not in err
-    assert sorted(p.name for p in (out / "case").iterdir()) == [".checkpoint.jsonl"]
+    assert [p.name[:12] for p in (out / "case").iterdir()] == [".checkpoint-"]
 
 
 def test_validate_checks_without_running(scenario_file, tmp_path, capsys):
@@ -261,3 +261,75 @@ def test_module_runs_as_a_program():
     result = run("--version")
     assert result.returncode == 0
     assert result.stdout.startswith("mcsim, version")
+
+
+def test_if_no_point_can_run_the_old_result_stays(scenario_file, tmp_path, capsys, monkeypatch):
+    import mcsim.sweep as sweep_module
+
+    path = scenario_file(BASE_YAML)
+    assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 0
+    before = {p.name: p.read_bytes() for p in (tmp_path / "case").iterdir()}
+
+    def never(*_):
+        raise MemoryError("no room")
+
+    monkeypatch.setattr(sweep_module, "problem_of", never)
+    arguments = ["run", str(path), "--seed", "2", "--output", str(tmp_path)]
+    assert exit_code(arguments) == 1
+    assert "no point could be run, nothing was written: MemoryError: no room" in (
+        capsys.readouterr().err
+    )
+    assert {p.name: p.read_bytes() for p in (tmp_path / "case").iterdir()} == before
+
+
+def test_a_kill_while_drawing_loses_nothing(scenario_file, tmp_path, monkeypatch):
+    import mcsim.figures as figures
+
+    real = figures.save_figures
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    path = scenario_file(BASE_YAML)
+    monkeypatch.setattr(figures, "save_figures", interrupted)
+    assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 130
+    assert list((tmp_path / "case").glob(".checkpoint-*"))
+    monkeypatch.setattr(figures, "save_figures", real)
+    assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 0
+    assert not list((tmp_path / "case").glob(".checkpoint-*"))
+
+
+def test_too_many_histories_are_refused_before_the_run(scenario_file, tmp_path, capsys):
+    path = scenario_file(BASE_YAML + "outputs: {history: true, tracks: 1000}\n")
+    more = "sweep.trajectory.speed={from: 1 m/s, to: 9 m/s, points: 200}"
+    assert exit_code(["validate", str(path)]) == 0
+    arguments = ["run", str(path), "--set", more, "--output", str(tmp_path / "out")]
+    assert exit_code(arguments) == 2
+    assert "histories and tracks of 800 points need" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_damaged_results_are_explained(scenario_file, tmp_path, capsys):
+    path = scenario_file(BASE_YAML)
+    assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 0
+    (tmp_path / "case" / "table.parquet").unlink()
+    table = tmp_path / "case" / "table.csv"
+    table.write_text(table.read_text().replace("statistic", "static"))
+    assert exit_code(["plot", str(tmp_path / "case")]) == 2
+    assert "a damaged result" in capsys.readouterr().err
+
+
+def test_kernels_run_without_a_folder_for_compiled_code():
+    """As on a machine where numba finds no folder that it may write to."""
+    code = (
+        "import numba.core.caching as caching;"
+        "caching.CacheImpl._locator_classes = [];"
+        "import mcsim.kernels.bootstrap as b, mcsim.kernels.compilation as c, numpy as np;"
+        "n = np.empty((4, 4), np.float32); b.resampling_counts(np.uint64(1), n);"
+        "print(n.sum(), c.unkept)"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith("16.0 ['resampling_counts'")

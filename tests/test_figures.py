@@ -165,3 +165,46 @@ def test_the_ellipse_holds_the_ends_it_should():
 
 def test_runs_without_tracks_draw_none():
     assert draw_over_time(mcsim.run(scenario({"monte_carlo.realizations": 10}))) is None
+
+
+def test_panels_of_different_paths_hold_the_others():
+    """In a 3-D sweep each curve joins points of one slice only."""
+    s = scenario(
+        {
+            "sweep": {
+                "trajectory.width": ["1 m", "2 m"],
+                "trajectory.speed": ["10 m/s", "15 m/s", "20 m/s"],
+                "trajectory.length": ["40 m", "50 m"],
+            },
+            "monte_carlo.realizations": 20,
+            "figure": {
+                "panels": [
+                    {"errors": "along", "x": "trajectory.width", "curves": "trajectory.length"},
+                    {"errors": "along", "x": "trajectory.speed", "curves": "trajectory.width"},
+                ]
+            },
+        }
+    )
+    one, two = panels(draw(mcsim.run(s)))
+    assert [len(c.lines[0].get_xdata()) for c in one.containers] == [2, 2]
+    assert [len(c.lines[0].get_xdata()) for c in two.containers] == [3, 3]
+    assert one.get_title() == "at speed 10 m/s"
+    assert two.get_title() == "at track length L 40 m"
+
+
+def test_titles_are_plain_text_and_fit():
+    s = scenario(
+        {
+            "title": r"cost $5 and $\foo$ " + "of a very long title " * 12,
+            "sweep": {"trajectory.width": ["1 m", "2 m"]},
+            "monte_carlo.realizations": 20,
+            "figure": {"panels": [{"errors": "position"}]},
+        }
+    )
+    figure = draw(mcsim.run(s))
+    figure.draw_without_rendering()
+    box = figure._suptitle.get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= figure.bbox.x1
+    (legend,) = figure.legends
+    assert legend.get_window_extent().x0 >= 0

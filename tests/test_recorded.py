@@ -164,3 +164,35 @@ def test_bad_columns_are_explained(tmp_path, columns, message):
     write_circle(tmp_path)
     with pytest.raises(InputError, match=message):
         drive_of(recorded(tmp_path, columns=columns).base.trajectory, tmp_path)
+
+
+def test_delimiters_at_the_end_of_rows_do_not_shift_columns(tmp_path):
+    path = write_circle(tmp_path)
+    header, *rows = path.read_text().splitlines()
+    plain = drive_of(recorded(tmp_path).base.trajectory, tmp_path).motion(np.array([5.0]))
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "drive.csv").write_text("\n".join([header, *(row + "," for row in rows)]))
+    shifted = drive_of(recorded(other).base.trajectory, other).motion(np.array([5.0]))
+    assert shifted.along[0] == plain.along[0]
+
+
+def test_columns_of_one_name_are_refused(tmp_path):
+    path = write_circle(tmp_path)
+    path.write_text(path.read_text().replace("t,x,y", "t,x,x", 1))
+    columns = {"time": "t in ms", "x": "x in m", "y": "x in m"}
+    with pytest.raises(InputError, match="occurs twice"):
+        drive_of(recorded(tmp_path, columns=columns).base.trajectory, tmp_path)
+
+
+def test_impossible_latitudes_are_refused(tmp_path):
+    path = write_circle(tmp_path)
+    columns = {"time": "t in ms", "latitude": "course in °", "longitude": "x in °"}
+    with pytest.raises(InputError, match=r"drive.csv:\d+: .*an angle within"):
+        drive_of(recorded(tmp_path, columns=columns).base.trajectory, tmp_path)
+    assert path.exists()
+
+
+def test_the_date_line_is_no_jump():
+    east, _ = local_position(np.zeros(3), np.unwrap(np.radians([179.9999, 180.0, -179.9999])))
+    assert east[-1] == pytest.approx(2 * 11.13, rel=1e-2)

@@ -43,13 +43,13 @@ BAD = [
     ("speed: 20 m/s", "speed: 20", 'scenario:2: trajectory.speed: "20" has no unit'),
     ("speed: 20 m/s", "speed: 20 Hz", "a speed is needed"),
     ("speed: 20 m/s", "speed: 20 furlongs", 'unknown unit "furlongs"'),
-    ("speed: 20 m/s", "speed: -20 m/s", "must be greater than 0 m/s"),
+    ("speed: 20 m/s", "speed: -20 m/s", "must be at least 0.001 m/s"),
     ("speed: 20 m/s", "speed: nan m/s", "not a finite number"),
     ("speed: 20 m/s", "speed: .inf", "not a finite number"),
     ("speed: 20 m/s", "speed: [1, 2]", "expected a speed"),
     ("speed: 20 m/s", "sped: 20 m/s", 'did you mean "speed"'),
     ("speed: 20 m/s, ", "", "trajectory.speed: is missing; write for example `speed: 20 m/s`"),
-    ("length: 50 m", "length: 0 m", "must be greater than 0 m"),
+    ("length: 50 m", "length: 0 m", "must be at least 0.001 m"),
     ("shape: half_cosine", "shape: half_cosin", 'did you mean "half_cosine"'),
     ("shape: half_cosine, ", "", "`shape` is missing"),
     ("rate: 100 Hz", "rate: -100 Hz", "must be greater than 0 Hz"),
@@ -57,6 +57,27 @@ BAD = [
     ("sampling: fir", "sampling: fur", 'did you mean "fir"'),
     ("realizations: 200", "realizations: 0", "must be at least 1"),
     ("realizations: 200", "realizations: 1.5", "a whole number is needed"),
+    ("realizations: 200", "realizations: true", "a whole number is needed here, not true"),
+    ("realizations: 200", "precision: 101 %", "must be at most 100 %"),
+    ("speed: 20 m/s", "speed: 1e300 m/s", "beyond any use"),
+    ("speed: 20 m/s", "speed: 20 m/s, side_slip: 1e3 °", "must be at most 1.6 rad"),
+    ("case: planar", "case: planar\nmap: &a {<<: *a}", "scenario"),
+    ("case: planar", 'case: planar\ntitle: "\\uD800"', "surrogate"),
+    (
+        "[1e-3 m/s^2/√Hz, 1e-2 m/s^2/√Hz]",
+        "{from: 1 m/s²/√Hz, to: 2 m/s²/√Hz, step: 1}",
+        'unknown key "step" (known here: from, to, points, scale)',
+    ),
+    (
+        "initial:",
+        "figure: {panels: [{errors: [along, heading]}]}\ninitial:",
+        "positions and angles cannot share a panel",
+    ),
+    (
+        "initial:",
+        "figure: {panels: [{errors: along, x: trajectory.width}]}\ninitial:",
+        "is not swept here",
+    ),
     ("realizations: 200", "realizations: many", "a whole number is needed"),
     ("realizations: 200", "precision: 1 %, realizations: 200", "not both"),
     ("realizations: 200, ", "", "write `realizations: 1000`, or `precision: 1 %`"),
@@ -270,3 +291,31 @@ def test_shipped_scenarios_are_valid(path):
     from mcsim.sweep import check_points
 
     check_points(Scenario.from_yaml(path))
+
+
+def test_confidences_and_large_seeds_can_be_swept():
+    s = scenario({"sweep": {"monte_carlo.confidence": ["90 %", "95 %", "3 sigma"][:2]}})
+    assert [round(p.model.monte_carlo.confidence, 3) for p in s.points] == [1.645, 1.96]
+    s = scenario({"sweep": {"monte_carlo.seed": [2**64 - 2, 2**64 - 1]}})
+    assert [p.model.monte_carlo.seed for p in s.points] == [2**64 - 2, 2**64 - 1]
+
+
+def test_messages_blame_the_sweep_or_the_option_that_is_wrong():
+    with pytest.raises(InputError, match=r"scenario:13: trajectory\.radius: unknown key"):
+        Scenario.from_yaml(BASE_YAML + "  trajectory.radius: [1 m, 2 m]\n")
+    with pytest.raises(
+        InputError, match=r"--set trajectory\.shape: trajectory\.shape: .foo. is not"
+    ):
+        Scenario.from_yaml(BASE_YAML, ["trajectory.shape=foo"])
+
+
+def test_errors_of_a_block_name_the_block():
+    with pytest.raises(InputError, match=r"trajectory: angle must not be zero"):
+        scenario(
+            {"trajectory": {"shape": "curve", "radius": "9 m", "angle": "0 °", "speed": "9 m/s"}}
+        )
+
+
+@pytest.mark.parametrize("path", ["sensors.².rate", "trajectory.points.01.0"])
+def test_odd_digits_are_no_list_index(path):
+    assert "no scalar of that name" in refuse(BASE_YAML + f"  {path}: [1 Hz]\n")

@@ -11,7 +11,7 @@ import mcsim
 from mcsim import InputError, Scenario
 from mcsim.results import COLUMNS, UNITS
 from mcsim.scenario import STATISTICS
-from mcsim.store import CHECKPOINT, Checkpoint, load_results
+from mcsim.store import Checkpoint, load_results
 from mcsim.sweep import run_sweep
 from tests.conftest import BASE_YAML, NO_NOISE, scenario
 
@@ -160,7 +160,7 @@ def test_a_killed_sweep_goes_on_where_it_was(tmp_path):
 
     with checkpoint.writer() as write, pytest.raises(Stopped):
         run_sweep(s, 1, on_result=keep_two)
-    path = folder / CHECKPOINT
+    path = checkpoint.path
     path.write_text(path.read_text() + '{"index": 2, "value": [["0x1.')
     assert sorted(checkpoint.read()) == sorted(finished)
 
@@ -188,7 +188,7 @@ def test_checkpoints_of_another_scenario_are_ignored(tmp_path):
     assert len(checkpoint.read()) == 4
     other = s.with_values({"monte_carlo.seed": 2})
     assert Checkpoint.of(other, tmp_path).read() == {}
-    (tmp_path / CHECKPOINT).write_bytes(b"\xff\xfe garbage")
+    checkpoint.path.write_bytes(b"\xff\xfe garbage")
     assert checkpoint.read() == {}
 
 
@@ -217,8 +217,8 @@ def test_points_that_cannot_run_are_refused_before_anything_runs(tmp_path):
 
 
 def test_absurdly_long_drives_are_refused():
-    s = scenario({"trajectory.length": "1e9 m"})
-    with pytest.raises(InputError, match="shorten it or lower the rate"):
+    s = scenario({"trajectory.length": "9e7 m"})
+    with pytest.raises(InputError, match="more than mcsim can hold"):
         mcsim.run(s)
 
 
@@ -252,3 +252,41 @@ def test_results_are_frozen():
     with pytest.raises(AttributeError):
         results.table = None
     assert replace(results, history=None) is not results
+
+
+def test_two_runs_in_one_folder_do_not_mix(tmp_path):
+    """Their checkpoints have different names: neither reads nor cuts the other's."""
+    one = Scenario.from_yaml(BASE_YAML)
+    two = one.with_values({"monte_carlo.seed": 2})
+    a, b = (Checkpoint.of(s, tmp_path) for s in (one, two))
+    with a.writer() as first, b.writer() as second:
+        run_sweep(one, 1, on_result=first)
+        run_sweep(two, 1, on_result=second)
+    mixed = mcsim.run(two, output=tmp_path.parent / "other")
+    assert a.read().keys() == b.read().keys()
+    value = b.read()[0].estimates.value[0, 0]
+    row = mixed.table.iloc[0]
+    assert value == row["value"]
+
+
+def test_recorded_files_belong_to_the_checkpoint(tmp_path):
+    rows = ["time,x,y", *(f"{0.1 * i},{i},{0.01 * i * i}" for i in range(100))]
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text("\n".join(rows))
+    s = Scenario.from_dict(
+        {
+            "case": "planar",
+            "trajectory": {
+                "shape": "recorded",
+                "file": "a.csv",
+                "columns": {"x": "x in m", "y": "y in m"},
+            },
+            "sensors": {"rate": "50 Hz", "accelerometer": "LSM330DL", "gyroscope": "LSM330DL"},
+            "monte_carlo": {"realizations": 10},
+            "sweep": {"trajectory.file": ["a.csv", "b.csv"]},
+        },
+        folder=tmp_path,
+    )
+    before = Checkpoint.of(s, tmp_path).path
+    (tmp_path / "b.csv").write_text("\n".join(rows[:-1]))
+    assert Checkpoint.of(s, tmp_path).path != before

@@ -231,3 +231,10 @@ def test_heading_integrates_from_the_yaw_rate():
 def test_coinciding_waypoints_are_refused():
     with pytest.raises(InputError, match="points 0 and 1 coincide"):
         drive({"shape": "waypoints", "points": [["0 m", "0 m"]] * 2, "speed": "1 m/s"})
+
+
+@pytest.mark.parametrize("xs", [(0, 10, 0), (0, 10, 0, 10)])
+def test_waypoints_that_turn_back_are_refused(xs):
+    points = [[f"{x} m", "0 m"] for x in xs]
+    with pytest.raises(InputError, match="turns back on itself near point"):
+        drive({"shape": "waypoints", "points": points, "speed": "1 m/s"})

@@ -26,8 +26,8 @@ def problem_of(model: PlanarScenario, folder: Path) -> Problem:
     return PlanarProblem.from_model(model, folder)
 
 
-def check_point(model: PlanarScenario, folder: Path) -> None:
-    """Refuse a point that cannot run, without the cost of preparing it.
+def check_point(model: PlanarScenario, folder: Path) -> int:
+    """Samples per realization; refuses a point that cannot run, without preparing it.
 
     Raises
     ------
@@ -37,4 +37,4 @@ def check_point(model: PlanarScenario, folder: Path) -> None:
     from mcsim.cases.planar import sample_count
     from mcsim.trajectory import drive_of
 
-    sample_count(drive_of(model.trajectory, folder), model.sensors.rate)
+    return sample_count(drive_of(model.trajectory, folder), model.sensors.rate)

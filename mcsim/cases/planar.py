@@ -266,6 +266,6 @@ def sample_count(drive: Drive, rate: float) -> int:
     if count * oversampling(rate) > _MOST_DENSE_SAMPLES:
         raise InputError(
             f"trajectory: the drive lasts {drive.duration:.4g} s, {count:,} samples at "
-            f"{rate:g} Hz; shorten it or lower the rate"
+            f"{rate:g} Hz, more than mcsim can hold; shorten it"
         )
     return count

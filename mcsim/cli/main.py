@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcsim.errors import InputError, InterruptedRun, PartialError
+from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
 from mcsim.version import __version__
 
 if TYPE_CHECKING:
@@ -41,6 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def exit_code(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; every error becomes one message and an exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # A terminal or pipe that lacks a sign gets a substitute, not an error.
+            stream.reconfigure(errors="replace")
     try:
         code = commands.main(arguments, prog_name="mcsim", standalone_mode=False)
         return code if isinstance(code, int) else EXIT_DONE
@@ -53,6 +58,8 @@ def exit_code(arguments: Sequence[str] | None = None) -> int:
         return _fail(str(error), EXIT_PARTIAL)
     except InterruptedRun as error:
         return _fail(str(error), EXIT_INTERRUPTED)
+    except McsimError as error:
+        return _fail(str(error), EXIT_FAILED)
     except (KeyboardInterrupt, click.Abort):
         return _fail("interrupted", EXIT_INTERRUPTED)
     except BrokenPipeError:
@@ -69,6 +76,8 @@ def exit_code(arguments: Sequence[str] | None = None) -> int:
 
 
 def _fail(message: str, code: int) -> int:
+    if sys.stderr is None:
+        return code
     lines = message.splitlines() or [""]
     print(f"mcsim: {lines[0]}", *lines[1:], sep="\n       ", file=sys.stderr)
     return code
@@ -104,12 +113,12 @@ def run(
     quiet: bool,
 ) -> None:
     """Run scenarios; write tables, figures and provenance."""
-    from mcsim.sweep import check_points
+    from mcsim.results import check
 
     read = [_read(path, overrides, seed, realizations) for path in scenarios]
     _refuse_same_names(read)
     for scenario in read:
-        check_points(scenario)
+        check(scenario)
     if dry_run:
         for scenario in read:
             click.echo(_plan(scenario))
@@ -127,14 +136,14 @@ def run(
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 def validate(files: tuple[Path, ...]) -> None:
     """Check scenario files without running them."""
+    from mcsim.results import check
     from mcsim.scenario import Scenario
-    from mcsim.sweep import check_points
 
     problems = []
     for path in files:
         try:
             scenario = Scenario.from_yaml(path)
-            check_points(scenario)
+            check(scenario)
             click.echo(f"{path}: valid, {scenario.n_points} point(s)")
         except InputError as error:
             problems.append(str(error))
@@ -149,7 +158,7 @@ def schema() -> None:
 
     from mcsim.scenario.schema import scenario_schema
 
-    click.echo(json.dumps(scenario_schema(), indent=2, ensure_ascii=False))
+    click.echo(json.dumps(scenario_schema(), indent=2))
 
 
 @commands.command()
@@ -203,7 +212,13 @@ def plot(results: tuple[Path, ...], output: Path | None) -> None:
         if output is not None:
             folder = output / stored.scenario.name
             folder.mkdir(parents=True, exist_ok=True)
-        for file in save_figures(stored, folder):
+        try:
+            files = save_figures(stored, folder)
+        except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+            raise InputError(
+                f"{path}: a damaged result ({type(error).__name__}: {error}); run it again"
+            ) from None
+        for file in files:
             click.echo(file)
 
 
@@ -240,9 +255,9 @@ def _run_one(scenario: Scenario, jobs: int | None, output: Path, quiet: bool) ->
         return run_scenario(scenario, jobs=jobs, output=output, progress=progress_for(quiet))
     except KeyboardInterrupt:
         kept = len(Checkpoint.of(scenario, output / scenario.name).read())
+        then = "the same command goes on from there" if kept else "nothing is kept"
         raise InterruptedRun(
-            f"{scenario.name}: interrupted with {kept} of {scenario.n_points} points done; "
-            "the same command goes on from there"
+            f"{scenario.name}: interrupted with {kept} of {scenario.n_points} points done; {then}"
         ) from None
 
 
@@ -251,6 +266,10 @@ def _report(results: Results, folder: Path) -> None:
 
     if not results.scenario.axes:
         click.echo(summary(results))
+    from mcsim.kernels.compilation import unkept
+
+    if unkept:
+        click.echo("note: no folder for compiled code can be written; it is made anew", err=True)
     for remark in results.remarks:
         click.echo(f"note: {remark}", err=True)
     click.echo(f"{results.scenario.name}: {folder / 'table.csv'}, {folder / 'figure.png'}")

@@ -35,7 +35,7 @@ def figure_scenarios(numbers: tuple[str, ...]) -> dict[int, list[Scenario]]:
     if numbers and "all" not in numbers:
         wanted = []
         for text in numbers:
-            if not text.isdigit() or int(text) not in by_number:
+            if not (text.isascii() and text.isdigit()) or int(text) not in by_number:
                 known = ", ".join(map(str, by_number))
                 raise InputError(f'figures: "{text}" is not one of {known}, all')
             wanted.append(int(text))

@@ -18,7 +18,7 @@ _LINE_EVERY = 5.0
 
 def progress_for(quiet: bool) -> Progress:
     """What suits the place that messages go to (standard error)."""
-    if quiet:
+    if quiet or sys.stderr is None:
         return Silent()
     return Bar() if sys.stderr.isatty() else Lines()
 
@@ -41,28 +41,41 @@ class Bar:
         )
 
         self._done, self._points = resumed, scenario.n_points
+        self._realizations = 0
         self._bar = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),
             BarColumn(),
             TextColumn("{task.fields[points]} points"),
-            TextColumn("{task.completed:,.0f} realizations"),
+            TextColumn("{task.fields[realizations]:,} realizations"),
             TimeElapsedColumn(),
             TextColumn("left"),
             TimeRemainingColumn(),
             console=Console(stderr=True),
         )
+        # With a wanted precision the number of realizations is open: points are counted.
+        self._by_points = realizations is None
         self._task = self._bar.add_task(
-            scenario.name, total=realizations, points=f"{self._done}/{self._points}"
+            scenario.name,
+            total=realizations if realizations is not None else self._points - resumed,
+            points=f"{self._done}/{self._points}",
+            realizations=0,
         )
         self._bar.start()
 
     def advance(self, realizations: int) -> None:
-        self._bar.advance(self._task, realizations)
+        self._realizations += realizations
+        self._bar.update(
+            self._task,
+            advance=0 if self._by_points else realizations,
+            realizations=self._realizations,
+        )
 
     def point_done(self) -> None:
         self._done += 1
-        self._bar.update(self._task, points=f"{self._done}/{self._points}")
+        self._bar.update(
+            self._task, advance=int(self._by_points), points=f"{self._done}/{self._points}"
+        )
 
     def finish(self) -> None:
         self._bar.stop()
@@ -76,7 +89,7 @@ class Lines:
 
     def start(self, scenario: Scenario, realizations: int | None, resumed: int) -> None:
         self._name, self._points, self._total = scenario.name, scenario.n_points, realizations
-        self._points_done, self._done = resumed, 0
+        self._points_done, self._resumed, self._done = resumed, resumed, 0
         self._begun = self._last = time.monotonic()
         more = f", {resumed} of them done before" if resumed else ""
         wanted = f", {realizations:,} realizations" if realizations is not None else ""
@@ -103,8 +116,12 @@ class Lines:
 
     def _state(self, elapsed: float) -> str:
         left = ""
-        if self._total:
-            share = self._done / self._total
+        # With a wanted precision the number of realizations is open: points are counted.
+        todo = self._points - self._resumed
+        share = (
+            self._done / self._total if self._total else (self._points_done - self._resumed) / todo
+        )
+        if share > 0.0:
             left = f" ({share:.0%}), about {elapsed * (1.0 / share - 1.0):.0f} s left"
         return (
             f"{self._name}: {self._points_done}/{self._points} points, "

@@ -33,7 +33,4 @@ def save_figures(results: Results, folder: Path) -> list[Path]:
     over_time = draw_over_time(results)
     if over_time is not None:
         written += write_figure(over_time, folder, "tracks")
-    else:
-        for ending in ("png", "svg"):
-            (folder / f"tracks.{ending}").unlink(missing_ok=True)
     return written

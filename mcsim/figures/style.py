@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from mcsim.store import write_whole
+from mcsim.store import readable_errors, write_whole
 
 #: Decades that a range must span to be drawn on a logarithmic axis.
 LOG_DECADES = 1.3
@@ -39,6 +40,7 @@ _RC: dict[Any, Any] = {
     "lines.markersize": 4.0,
     "errorbar.capsize": 2.0,
     "svg.fonttype": "path",
+    "text.parse_math": False,
     "svg.hashsalt": "mcsim",
 }
 _DPI = 130
@@ -68,7 +70,7 @@ def spans_decades(values: Sequence[float] | NDArray[np.float64]) -> bool:
 
 def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
     """Write ``name.png`` and ``name.svg``, whole or not at all, without a date inside."""
-    with house_style():
+    with house_style(), readable_errors(folder):
         return [
             write_whole(
                 folder / f"{name}.png",
@@ -96,10 +98,19 @@ def legend_below(figure: Figure, axes: Axes, title: str | None = None) -> None:
     """One legend for the whole figure, under it: it can cover no data."""
     handles, labels = axes.get_legend_handles_labels()
     if handles:
+        # As many columns as fit: a sign is about 0.075 inch wide, a handle 0.55 inch.
+        width = 0.075 * max(map(len, labels)) + 0.55
         figure.legend(
             handles,
             labels,
             title=title,
             loc="outside lower center",
-            ncols=min(len(labels), 5),
+            ncols=max(1, min(len(labels), 5, int(figure.get_figwidth() / width))),
         )
+
+
+def set_title(figure: Figure, title: str) -> None:
+    """A title over the whole figure, broken into lines that fit."""
+    signs = int(11.0 * figure.get_figwidth())
+    lines = [line for part in title.splitlines() for line in textwrap.wrap(part, signs)]
+    figure.suptitle("\n".join(lines), fontsize=11)

@@ -17,6 +17,7 @@ from mcsim.figures.style import (
     house_style,
     legend_below,
     log_scale,
+    set_title,
     spans_decades,
 )
 from mcsim.results import UNITS, Results
@@ -86,7 +87,7 @@ def draw_columns(columns: list[Column], title: str | None = None) -> Figure:
             figure = Figure(figsize=(4.4 * len(columns), 2.9 * rows + 0.8), layout="constrained")
             grid = figure.subplots(rows, len(columns), squeeze=False)
         if title:
-            figure.suptitle(title, fontsize=11)
+            set_title(figure, title)
         log_units = _units_that_span_decades(columns)
         families = set()
         for j, column in enumerate(columns):
@@ -119,7 +120,7 @@ def _units_that_span_decades(columns: list[Column]) -> set[str]:
     units = set()
     for column in columns:
         figure = column.results.scenario.base.figure
-        table = _slice(column, figure.statistic)
+        table = _slice(column, figure.statistic, column.held)
         for panel in figure.panels:
             values = table[table["error"].isin(panel.errors)]["value"].to_numpy()
             if figure.statistic != "mean" and spans_decades(values):
@@ -132,16 +133,23 @@ def _place_legends(figure: Figure, grid: Any, families: set[tuple[Any, ...]]) ->
     if len(families) == 1:
         legend_below(figure, grid[0, 0], next(iter(families))[0])
         return
-    several = grid.shape[1] > 1
-    for axes in grid[-1, :] if several else grid[:, 0]:
+    if grid.shape[1] > 1:
+        for axes in grid[-1, :]:
+            handles, names = axes.get_legend_handles_labels()
+            axes.legend(
+                handles,
+                names,
+                title=axes.mcsim_curves,
+                loc="upper center",
+                bbox_to_anchor=(0.5, -0.2),
+                ncols=min(3, len(names)),
+            )
+        return
+    figure.set_figwidth(figure.get_figwidth() * 1.3)
+    for axes in grid[:, 0]:
         handles, names = axes.get_legend_handles_labels()
         axes.legend(
-            handles,
-            names,
-            title=axes.mcsim_curves,
-            loc="upper center",
-            bbox_to_anchor=(0.5, -0.2),
-            ncols=min(3, len(names)),
+            handles, names, title=axes.mcsim_curves, loc="center left", bbox_to_anchor=(1.0, 0.5)
         )
 
 
@@ -168,8 +176,9 @@ def _draw_panel(axes: Axes, column: Column, panel: Panel, log_units: set[str]) -
     scenario = column.results.scenario
     statistic = scenario.base.figure.statistic
     x_axis, curve_axis = _panel_axes(scenario.axes, panel)
-    table = _slice(column, statistic)
-    method = _slice(column, "method")
+    held = _held_in_panel(column, x_axis, curve_axis)
+    table = _slice(column, statistic, held)
+    method = _slice(column, "method", held)
     curve_values: tuple[Value | None, ...] = curve_axis.values if curve_axis else (None,)
     names = []
     for c, curve_value in enumerate(curve_values):
@@ -207,18 +216,35 @@ def _draw_panel(axes: Axes, column: Column, panel: Panel, log_units: set[str]) -
     _scale(axes, x_axis, np.append(drawn, limit), unit in log_units)
     axes.set_xlabel(labels.axis_label(x_axis))
     axes.set_ylabel(labels.error_label(panel.errors, statistic, unit))
+    elsewhere = [
+        f"{labels.path_words(axis.path)} {labels.value_label(axis, held[axis.path])}"
+        for axis in scenario.axes
+        if axis.path in held.keys() - column.held.keys()
+    ]
+    if elsewhere:
+        axes.set_title("at " + ", ".join(elsewhere))
     title = labels.axis_label(curve_axis) if curve_axis else None
     axes.mcsim_curves = title  # type: ignore[attr-defined]
     return (title, *names)
 
 
-def _slice(column: Column, statistic: str) -> pd.DataFrame:
+def _held_in_panel(column: Column, x_axis: Axis, curve_axis: Axis | None) -> dict[str, Value]:
+    """Where the axes stand that this panel does not draw: the column's value, or their first."""
+    drawn = {x_axis.path} | ({curve_axis.path} if curve_axis else set())
+    return {
+        axis.path: column.held.get(axis.path, axis.values[0])
+        for axis in column.results.scenario.axes
+        if axis.path not in drawn
+    }
+
+
+def _slice(column: Column, statistic: str, held: dict[str, Value]) -> pd.DataFrame:
     """The rows of one statistic where the held axes have their values."""
     table = column.results.table
     table = table[table["statistic"] == statistic]
     for axis in column.results.scenario.axes:
-        if axis.path in column.held:
-            table = table[table[axis.column] == column.held[axis.path]]
+        if axis.path in held:
+            table = table[table[axis.column] == held[axis.path]]
     return table
 
 
@@ -264,8 +290,14 @@ def _scale(axes: Axes, x_axis: Axis, values: Any, log: bool) -> None:
         axes.set_xticks(range(len(x_axis.values)), [str(v) for v in x_axis.values])
     else:
         x = [float(v) for v in x_axis.values]
-        if x_axis.log or spans_decades(x):
+        log_x = x_axis.log or spans_decades(x)
+        if log_x:
             log_scale(axes, "x", x)
+        # The whole axis, also where values are missing; panels then line up.
+        ends = np.log([min(x), max(x)]) if log_x else np.array([min(x), max(x)])
+        margin = 0.04 * (ends[1] - ends[0]) * np.array([-1.0, 1.0])
+        if ends[1] > ends[0]:
+            axes.set_xlim(*(np.exp(ends + margin) if log_x else ends + margin))
     positive = values[values > 0.0]
     if log and len(positive):
         log_scale(axes, "y", positive)

@@ -91,9 +91,12 @@ def _draw_ends(axes: Axes, tracks: pd.DataFrame, sigmas: float) -> None:
     if len(errors) >= _FEWEST_ENDS:
         axes.add_patch(_ellipse(errors, sigmas))
         axes.autoscale_view()
+        words = labels.confidence_words(sigmas)
+        axes.set_title(f"ends, with the {words} ellipse of their covariance")
+    else:
+        axes.set_title("ends")
     axes.set_xlabel("along-road error [m]")
     axes.set_ylabel("across-road error [m]")
-    axes.set_title(f"ends, with the {labels.confidence_words(sigmas)} ellipse of their covariance")
 
 
 def _ellipse(errors: Any, sigmas: float) -> Ellipse:

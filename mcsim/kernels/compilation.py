@@ -9,6 +9,9 @@ from llvmlite import binding as llvm
 from numba import config as _numba_config
 from numba import njit
 
+#: Kernels that are compiled anew by every process, for want of a writable folder.
+unkept: list[str] = []
+
 config: Any = _numba_config
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -43,5 +46,11 @@ def scalar(function: _Function) -> _Function:
 
 def kernel(function: _Function) -> _Function:
     """A function over arrays: releases the interpreter lock, compiled once per machine."""
-    compiled: _Function = njit(nogil=True, cache=True, **_ARITHMETIC)(function)
+    compiled: _Function
+    try:
+        compiled = njit(nogil=True, cache=True, **_ARITHMETIC)(function)
+    except RuntimeError:
+        # Neither the package's folder nor the user's can be written.
+        unkept.append(function.__name__)
+        compiled = njit(nogil=True, **_ARITHMETIC)(function)
     return compiled

@@ -48,8 +48,10 @@ class Axis:
     def identity(self, value: Value) -> str:
         """What tells this coordinate from others, whatever unit it was written in."""
         if self.kind is None or self.unit is None:
-            number = float(value) if isinstance(value, int | float) else value
-            return f"{self.path}={number!r}"
+            whole = isinstance(value, float) and value.is_integer()
+            return f"{self.path}={int(value) if whole else value!r}"
+        if self.kind.name == "confidence":
+            return f"{self.path}={parse_confidence(str(self.written(value))):.{_DIGITS}g}"
         si = float(value) * factor(self.unit, self.kind)
         return f"{self.path}={si:.{_DIGITS}g}"
 

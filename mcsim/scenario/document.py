@@ -12,7 +12,7 @@ from mcsim.errors import InputError
 
 PathKey = tuple[str | int, ...]
 
-LARGEST_FILE = 1 << 20
+LARGEST_FILE = 1 << 18
 LARGEST_TREE = 100_000
 DEEPEST_TREE = 50
 
@@ -44,12 +44,14 @@ def read_document(path: Path) -> Document:
     InputError
         Not a readable UTF-8 file, not YAML, not a mapping, or absurdly large.
     """
-    if path.is_dir():
-        raise InputError(f"{path}: is a directory; name a scenario file")
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise InputError(f"{path}: larger than {LARGEST_FILE >> 20} MiB; not a scenario")
-        text = path.read_bytes().decode("utf-8-sig")
+        if path.is_dir():
+            raise InputError(f"{path}: is a directory; name a scenario file")
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+        if len(content) > LARGEST_FILE:
+            raise InputError(f"{path}: larger than {LARGEST_FILE >> 10} KiB; not a scenario")
+        text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
             f"{path}: not UTF-8 text (byte {error.start}); save the file as UTF-8"
@@ -87,7 +89,7 @@ def parse_scalar(text: str, source: str) -> Any:
 
 def _load_yaml(text: str, source: str) -> Any:
     from ruamel.yaml import YAML
-    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml.error import MarkedYAMLError
 
     try:
         return YAML(typ="rt", pure=True).load(StringIO(text))
@@ -101,7 +103,7 @@ def _load_yaml(text: str, source: str) -> Any:
         elif "duplicate key" in problem:
             hint = "; keep one of the two"
         raise InputError(f"{place}: {problem}{hint}") from None
-    except (YAMLError, ValueError, RecursionError) as error:
+    except Exception as error:  # what else a reader of strange text may raise
         first = (str(error) or type(error).__name__).split("\n")[0]
         raise InputError(f"{source}: not YAML ({first})") from None
 
@@ -133,7 +135,7 @@ class _Plain:
             return node
         for plain in (int, float, str):
             if isinstance(node, plain):
-                return plain(node)
+                return self._printable(plain(node), path, line)
         # Booleans that carry an anchor, dates, tagged values.
         if type(node).__name__ == "ScalarBoolean":
             return bool(node)
@@ -141,6 +143,13 @@ class _Plain:
             f"{self.source}:{line}: {'.'.join(map(str, path))}: "
             f"a plain text or number is needed here (write quotes around it)"
         )
+
+    def _printable(self, value: Any, path: PathKey, line: int) -> Any:
+        if isinstance(value, str) and any("\ud800" <= sign <= "\udfff" for sign in value):
+            raise InputError(
+                f"{self.source}:{line}: {'.'.join(map(str, path))}: holds half of a surrogate pair"
+            )
+        return value
 
     def _mapping(self, node: Any, path: PathKey, line: int) -> dict[str, Any]:
         plain = {}

@@ -48,12 +48,21 @@ class Block(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
+def _no_boolean(value: Any) -> Any:
+    if isinstance(value, bool):
+        raise reject(f"a whole number is needed here, not {str(value).lower()}")
+    return value
+
+
+Whole = BeforeValidator(_no_boolean)
+
+
 class _Track(Block):
     """What every shape of track has."""
 
     lead: Annotated[Time, NotNegative, Le(60.0)] = 0.1
     """Duration of the straight segments before and after the manoeuvre."""
-    side_slip: Angle = 0.0
+    side_slip: Annotated[Angle, Ge(-1.6), Le(1.6)] = 0.0
     """Course minus heading of the vehicle; its largest value for the profile `bump`."""
     side_slip_profile: Literal["constant", "bump"] = "constant"
     """`bump` rises and falls as a squared sine over the manoeuvre."""
@@ -62,7 +71,7 @@ class _Track(Block):
 class _Motion(_Track):
     """A shape driven at a given speed along the track."""
 
-    speed: Annotated[Speed, Positive]
+    speed: Annotated[Speed, Ge(1e-3)]
     """Speed along the track where the manoeuvre starts."""
     deceleration: Acceleration = 0.0
     """Constant deceleration during the manoeuvre; negative speeds up."""
@@ -72,7 +81,7 @@ class Straight(_Motion):
     """A straight run."""
 
     shape: Literal["straight"]
-    length: Annotated[Length, Positive]
+    length: Annotated[Length, Ge(1e-3)]
     """Length of the run."""
 
 
@@ -80,7 +89,7 @@ class LaneChange(_Motion):
     """A lane change: half-cosine, Eq. (1) of the paper, or a quintic of continuous curvature."""
 
     shape: Literal["half_cosine", "quintic"]
-    length: Annotated[Length, Positive]
+    length: Annotated[Length, Ge(1e-3)]
     """Distance L along the road."""
     width: Length
     """Displacement D across the road, positive to the left."""
@@ -90,7 +99,7 @@ class DoubleLaneChange(_Motion):
     """Into the other lane and back."""
 
     shape: Literal["double_lane_change"]
-    length: Annotated[Length, Positive]
+    length: Annotated[Length, Ge(1e-3)]
     """Distance along the road of each of the two lane changes."""
     width: Length
     """Displacement across the road, positive to the left."""
@@ -104,7 +113,7 @@ class Curve(_Motion):
     """A curve of constant radius with clothoid entry and exit."""
 
     shape: Literal["curve"]
-    radius: Annotated[Length, Positive]
+    radius: Annotated[Length, Ge(1e-3)]
     """Radius of the circular part."""
     angle: Angle
     """Change of course over the whole curve, positive to the left."""
@@ -183,7 +192,7 @@ class Recorded(_Track):
     """Which column holds what, in which unit."""
     angles: Literal["compass", "mathematical"] = "compass"
     """Course and heading: clockwise from north, or counter-clockwise from x."""
-    smoothing: Annotated[Time, Positive] = 0.5
+    smoothing: Annotated[Time, Ge(0.01), Le(1e4)] = 0.5
     """Time constant of the smoothing; slower motion passes, faster motion is noise."""
     start: Annotated[Time, NotNegative] = 0.0
     """Where to begin, after the first row."""
@@ -318,18 +327,18 @@ class Initial(Block):
 class MonteCarlo(Block):
     """How many realizations, and how sure the intervals are."""
 
-    realizations: Annotated[int, Ge(1), Le(20_000_000)] | None = None
+    realizations: Annotated[int, Whole, Ge(1), Le(20_000_000)] | None = None
     """Number of realizations per point."""
     precision: Annotated[Ratio, Positive, Le(1.0)] | None = None
     """Go on until the intervals of all RMS values are within this share of the value."""
-    max_realizations: Annotated[int, Ge(1000), Le(20_000_000)] = 1_000_000
+    max_realizations: Annotated[int, Whole, Ge(1000), Le(20_000_000)] = 1_000_000
     """Where `precision` gives up."""
-    seed: Annotated[int, Ge(0), Le(LARGEST_SEED)] = 1
+    seed: Annotated[int, Whole, Ge(0), Le(LARGEST_SEED)] = 1
     estimator: Literal["control_variate", "plain"] = "control_variate"
     """`control_variate` estimates only what the linear model leaves, `plain` everything."""
     confidence: Confidence = 3.0
     """Confidence of the intervals, `3 sigma` or `95 %`."""
-    resamples: Annotated[int, Ge(100), Le(100_000)] = 1000
+    resamples: Annotated[int, Whole, Ge(100), Le(100_000)] = 1000
     """Bootstrap resamples."""
     common_random_numbers: bool = False
     """The same random numbers at every point of the sweep."""
@@ -348,7 +357,7 @@ class Outputs(Block):
 
     history: bool = False
     """Statistics of the errors at every sample."""
-    tracks: Annotated[int, Ge(0), Le(1000)] = 0
+    tracks: Annotated[int, Whole, Ge(0), Le(1000)] = 0
     """Number of reconstructed sample tracks."""
 
 
@@ -357,7 +366,7 @@ class Range(Block):
 
     from_: Annotated[str | int | float, Field(alias="from")]
     to: str | int | float
-    points: Annotated[int, Ge(2), Le(100_000)]
+    points: Annotated[int, Whole, Ge(2), Le(100_000)]
     scale: Literal["linear", "log"] = "linear"
 
 
@@ -386,6 +395,14 @@ class Panel(Block):
     """Swept path on the horizontal axis; the first one if absent."""
     curves: str | None = None
     """Swept path that distinguishes the curves; the second one if absent."""
+
+    @model_validator(mode="after")
+    def _one_unit_and_two_paths(self) -> Panel:
+        if len({name in ("heading", "course") for name in self.errors}) > 1:
+            raise reject("positions and angles cannot share a panel; write two panels")
+        if self.x is not None and self.x == self.curves:
+            raise reject("`x` and `curves` name the same path")
+        return self
 
 
 class Limits(Block):

@@ -30,7 +30,10 @@ class Scalar:
 
 def split_path(path: str) -> PathKey:
     """``trajectory.points.1.0`` to keys; digits index lists."""
-    return tuple(int(key) if key.isdigit() else key for key in path.split("."))
+    return tuple(
+        int(key) if key.isascii() and key.isdigit() and str(int(key)) == key else key
+        for key in path.split(".")
+    )
 
 
 @cache

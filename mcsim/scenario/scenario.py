@@ -110,11 +110,11 @@ class Scenario:
             # The base point takes the first value, so that a swept path may be absent elsewhere.
             document_at_axis = get_path(document.tree, split_path(axis.path))
             if document_at_axis is None:
+                path = split_path(axis.path)
                 document = replace(
                     document,
-                    tree=with_value(
-                        document.tree, split_path(axis.path), axis.written(axis.values[0])
-                    ),
+                    tree=with_value(document.tree, path, axis.written(axis.values[0])),
+                    overrides={**document.overrides, path: document.place(("sweep", axis.path))},
                 )
         base = validate(_without_sweep(document), model)
         _check_figure(document, base, axes)

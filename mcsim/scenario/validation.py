@@ -39,6 +39,8 @@ def describe(
     messages: list[str] = []
     for details in error.errors():
         path = (*prefix, *_plain_path(details["loc"], get_path(document.tree, prefix)))
+        if details["type"].startswith("union_tag"):
+            path = (*path, "shape")
         line = f"{document.place(path)}: {'.'.join(map(str, path)) or 'scenario'}: "
         line += _explain(details, path, model)
         if line not in messages:
@@ -59,7 +61,7 @@ def _plain_path(loc: tuple[str | int, ...], tree: Any) -> PathKey:
         if known or in_list:
             path.append(key)
             tree = tree[key] if known or (in_list and int(key) < len(tree)) else None
-        elif is_last and isinstance(key, str) and key.isidentifier() and isinstance(tree, dict):
+        elif is_last and isinstance(tree, dict) and key != tree.get("shape"):
             path.append("from" if key == "from_" else key)
     return tuple(path)
 
@@ -149,7 +151,7 @@ def _siblings(loc: tuple[str | int, ...], model: type[BaseModel]) -> list[str]:
     names: list[str] = []
     for candidate in current:
         names += [f.alias or n for n, f in candidate.model_fields.items()]
-    if not loc[:-1]:
+    if not loc[:-1] and "case" in names:
         names.append("sweep")
     return list(dict.fromkeys(names))
 
@@ -177,6 +179,8 @@ def _example(details: ErrorDetails, model: type[BaseModel]) -> str:
 def _bound(details: ErrorDetails, bound: Any, model: type[BaseModel]) -> str:
     found, _ = _field(details["loc"], model)
     quantity = _quantity(found)
+    if quantity is not None and quantity.kind == "ratio":
+        return f"{100.0 * bound:g} %"
     if quantity is None or quantity.kind == "confidence":
         return f"{bound:g}" if isinstance(bound, float) else str(bound)
     return f"{bound:g} {quantity.details.si_unit}"

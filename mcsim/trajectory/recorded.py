@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,6 +35,10 @@ _KIND_OF = {
     "heading": "angle",
 }
 _FEWEST_ROWS = 8
+#: No time (Unix time in s), position or angle is larger (SI).
+_LARGEST_CELL = 1e11
+#: Points at which the course is looked at, at most.
+_MOST_COURSES = 200_000
 #: Fixes that repeat the last position are dropped, but one is kept this often (s).
 _REPEATED_FIX = 0.5
 #: Below this speed the direction of movement says nothing (m/s).
@@ -91,6 +96,7 @@ class RecordedManoeuvre:
             return _smooth(record.time, np.unwrap(record.heading), smoothing)
         # The course, trusted where the vehicle moves and bridged where it stands.
         step = min(smoothing / 4.0, self.duration / 16.0)
+        step = max(step, self.duration / _MOST_COURSES)
         t = np.linspace(0.0, self.duration, math.ceil(self.duration / step) + 1)
         vx, vy = (v(t) for v in self._velocity)
         speed = np.hypot(vx, vy)
@@ -178,10 +184,14 @@ def read_record(path: Path, columns: Columns, compass: bool) -> Record:
     """
     import pandas as pd
 
+    if not path.is_file():
+        raise InputError(f"{path}: no such file (trajectory.file)")
     try:
-        table = pd.read_csv(path, skipinitialspace=True)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file (trajectory.file)") from None
+        with warnings.catch_warnings():
+            # A delimiter at the end of each row is harmless; it must not shift the columns.
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)
+            table = pd.read_csv(path, skipinitialspace=True, index_col=False)
+        table.columns = [str(name).strip() for name in table.columns]
     except UnicodeDecodeError:
         raise InputError(f"{path}: not UTF-8 text (trajectory.file)") from None
     except (OSError, ValueError) as error:  # parser errors are ValueErrors
@@ -244,13 +254,18 @@ def _column(table, path: Path, role: str, spec: str) -> Array:  # type: ignore[n
             f'{path}: no column "{name}" for {role}{hint} '
             f"(columns: {', '.join(map(str, table.columns))})"
         )
+    if f"{name}.1" in table.columns:
+        raise InputError(f'{path}: the column "{name}" occurs twice; rename one')
     numbers = pd.to_numeric(table[name], errors="coerce").to_numpy(float)
-    bad = ~np.isfinite(numbers)
+    limit = math.pi / 2.0 if role == "latitude" else _LARGEST_CELL
+    bad = ~(np.abs(numbers * scale) <= limit * (1.0 + 1e-12))
     if np.any(bad):
         row = int(np.argmax(bad))
+        cell = table[name].iloc[row]
+        held = "nothing" if pd.isna(cell) else f'"{cell}"'
+        needed = "an angle within ±90 °" if role == "latitude" else "a finite number"
         raise InputError(
-            f'{path}:{row + 2}: column "{name}" holds "{table[name].iloc[row]}", '
-            "where a finite number is needed"
+            f'{path}:{row + 2}: column "{name}" holds {held}, where {needed} is needed'
         )
     return numbers * scale
 
@@ -269,7 +284,7 @@ def _position(values: dict[str, Array]) -> tuple[Array | None, Array | None]:
     if "x" in values:
         return values["x"], values["y"]
     if "latitude" in values:
-        return local_position(values["latitude"], values["longitude"])
+        return local_position(values["latitude"], np.unwrap(values["longitude"]))
     return None, None
 
 

@@ -22,6 +22,8 @@ from mcsim.trajectory.curves import (
     PlaneCurve,
 )
 
+#: A spline through way-points that is slower than this (1 is the usual) turns on the spot.
+_SLOWEST_PACE = 0.05
 #: A displacement across the road and its first two derivatives with respect to l.
 Profile = Callable[[Array], tuple[Array, Array, Array]]
 
@@ -119,6 +121,16 @@ def _through(points: tuple[tuple[float, ...], ...]) -> ParametricCurve:
         (x, y), (dx, dy), (ddx, ddy) = (np.moveaxis(spline(u, nu), -1, 0) for nu in range(3))
         return Derivatives(x, y, dx, dy, ddx, ddy)
 
+    # The spline runs over its chord length at about unit speed; where it nearly stops,
+    # the track turns back on itself and has no course.
+    fine = np.linspace(knots[0], knots[-1], 64 * len(knots) + 1)
+    pace = np.hypot(*spline(fine, 1).T)
+    if pace.min() < _SLOWEST_PACE:
+        nearest = int(np.argmin(np.abs(knots - fine[np.argmin(pace)])))
+        raise InputError(
+            f"trajectory.points: the track turns back on itself near point {nearest}; "
+            "round the turn with further points"
+        )
     curve = ParametricCurve(evaluate, knots)
     # A cubic spline is twice continuously differentiable: no jumps at the way-points.
     curve.breaks = ()
