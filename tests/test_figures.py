@@ -46,6 +46,9 @@ def test_sweeps_have_a_panel_per_error_and_a_curve_per_value(swept):
         assert a.get_xlabel() == "accelerometer noise density [m/s²/√Hz]"
         assert a.get_xscale() == "log"
         assert a.get_yscale() == "log"
+        ticks = [t.get_text() for t in (*a.get_xticklabels(), *a.get_yticklabels())]
+        assert "10⁻³" in ticks
+        assert not any("$" in t for t in ticks)
 
 
 def test_curves_hold_the_tables_numbers(swept):

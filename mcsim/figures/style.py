@@ -71,6 +71,9 @@ def spans_decades(values: Sequence[float] | NDArray[np.float64]) -> bool:
 def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
     """Write ``name.png`` and ``name.svg``, whole or not at all, without a date inside."""
     with house_style(), readable_errors(folder):
+        # Arranged once; writing each format would do it again.
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
         return [
             write_whole(
                 folder / f"{name}.png",
@@ -84,14 +87,22 @@ def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
 
 
 def log_scale(axes: Axes, which: Literal["x", "y"], values: Sequence[float]) -> None:
-    """Make an axis logarithmic; over few decades its ticks carry plain numbers."""
+    """Make an axis logarithmic; its ticks carry plain numbers, or powers over many decades."""
     axes.set(**{f"{which}scale": "log"})
     axis = axes.xaxis if which == "x" else axes.yaxis
     finite = np.asarray([v for v in values if np.isfinite(v) and v > 0.0])
     if len(finite) and np.log10(finite.max() / finite.min()) < _PLAIN_DECADES:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.10g}"))
-        axis.set_minor_formatter(NullFormatter())
+    else:
+        axis.set_major_formatter(FuncFormatter(lambda x, _: _power_of_ten(x)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _power_of_ten(x: float) -> str:
+    """``10⁻³`` in plain signs."""
+    exponent = str(round(np.log10(x))) if x > 0.0 else ""
+    return "10" + exponent.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def legend_below(figure: Figure, axes: Axes, title: str | None = None) -> None:
