@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from mcsim.errors import McsimError
@@ -18,6 +19,7 @@ def run(
     jobs: int | None = None,
     output: str | Path | None = None,
     progress: Progress | None = None,
+    draw: Callable[[Results, Path], object] | None = None,
 ) -> Results:
     """Run a scenario: every point of its sweep, all realizations, all statistics.
 
@@ -33,6 +35,8 @@ def run(
         same scenario goes on from them.
     progress : Progress, optional
         Hears how the run goes.
+    draw : callable, optional
+        Draws the results into their folder; the usual figures if absent.
 
     Returns
     -------
@@ -62,10 +66,14 @@ def run(
         )
     results = assemble(scenario, sweep, time.perf_counter() - begun)
     save(results, folder)
-    from mcsim.figures import save_figures
-
-    save_figures(results, folder)
+    (draw or _draw)(results, folder)
     # Failed points are tried again by the same command; the others are kept till then.
     if not sweep.failures:
         checkpoint.remove()
     return results
+
+
+def _draw(results: Results, folder: Path) -> None:
+    from mcsim.figures import save_figures
+
+    save_figures(results, folder)

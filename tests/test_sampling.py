@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.signal import decimate
+from scipy.signal import decimate, firwin
 
-from mcsim.sensors.sampling import oversampling, sample
+from mcsim.sensors.sampling import low_pass, oversampling, sample
 from tests.conftest import problem
 
 
@@ -33,6 +33,11 @@ def test_filters_equal_scipys_decimate(method, rate):
         # scipy leaves the ripple of the even-order filter in the pass-band; we normalise it.
         theirs = theirs * 10 ** (2 * 0.05 / 20)
     np.testing.assert_allclose(ours, theirs, atol=1e-9)
+
+
+def test_taps_are_scipys():
+    taps = low_pass(80, 8)
+    np.testing.assert_allclose(taps, firwin(161, 1 / 8), atol=1e-15)
 
 
 def test_momentary_values_are_the_signal():

@@ -14,7 +14,7 @@ from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
 from mcsim.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from mcsim.results import Results
     from mcsim.scenario import Scenario
@@ -177,22 +177,26 @@ def sensors(name: str | None) -> None:
 @_QUIET
 def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: bool) -> None:
     """Reproduce figures of the planar paper: run their scenarios and draw them."""
+    from mcsim.cli.drawing import Drawing
     from mcsim.cli.paper import figure_scenarios, title_of
-    from mcsim.figures import draw_side_by_side, write_figure
+    from mcsim.sweep import default_jobs
 
-    failures = []
-    for number, parts in figure_scenarios(numbers).items():
-        results = [_run_one(scenario, jobs, output, quiet) for scenario in parts]
-        failures += [failure for part in results for failure in part.failures]
-        for part in results:
-            if not quiet:
-                _report(part, output / part.scenario.name)
-        if len(results) > 1:
-            folder = output / f"figure{number}"
-            folder.mkdir(parents=True, exist_ok=True)
-            write_figure(draw_side_by_side(results, title_of(parts)), folder, "figure")
-            if not quiet:
-                click.echo(f"figure {number}: {folder / 'figure.png'}")
+    failures, pictures = [], []
+    with Drawing(jobs or default_jobs()) as drawing:
+        for number, parts in figure_scenarios(numbers).items():
+            folders = [output / scenario.name for scenario in parts]
+            for scenario, folder in zip(parts, folders, strict=True):
+                results = _run_one(scenario, jobs, output, quiet, lambda _, at: drawing.one(at))
+                failures += results.failures
+                pictures.append(folder / "figure.png")
+                if not quiet:
+                    _note(results)
+            if len(parts) > 1:
+                folder = output / f"figure{number}"
+                drawing.side_by_side(folders, title_of(parts), folder)
+                pictures.append(folder / "figure.png")
+    if not quiet:
+        click.echo("\n".join(map(str, pictures)))
     _raise_failures(failures)
 
 
@@ -246,13 +250,21 @@ def _refuse_same_names(scenarios: list[Scenario]) -> None:
             )
 
 
-def _run_one(scenario: Scenario, jobs: int | None, output: Path, quiet: bool) -> Results:
+def _run_one(
+    scenario: Scenario,
+    jobs: int | None,
+    output: Path,
+    quiet: bool,
+    draw: Callable[[Results, Path], object] | None = None,
+) -> Results:
     from mcsim.api import run as run_scenario
     from mcsim.cli.progress import progress_for
     from mcsim.store import Checkpoint
 
     try:
-        return run_scenario(scenario, jobs=jobs, output=output, progress=progress_for(quiet))
+        return run_scenario(
+            scenario, jobs=jobs, output=output, progress=progress_for(quiet), draw=draw
+        )
     except KeyboardInterrupt:
         kept = len(Checkpoint.of(scenario, output / scenario.name).read())
         then = "the same command goes on from there" if kept else "nothing is kept"
@@ -266,13 +278,17 @@ def _report(results: Results, folder: Path) -> None:
 
     if not results.scenario.axes:
         click.echo(summary(results))
+    _note(results)
+    click.echo(f"{results.scenario.name}: {folder / 'table.csv'}, {folder / 'figure.png'}")
+
+
+def _note(results: Results) -> None:
     from mcsim.kernels.compilation import unkept
 
     if unkept:
         click.echo("note: no folder for compiled code can be written; it is made anew", err=True)
     for remark in results.remarks:
         click.echo(f"note: {remark}", err=True)
-    click.echo(f"{results.scenario.name}: {folder / 'table.csv'}, {folder / 'figure.png'}")
 
 
 def _raise_failures(failures: list[str]) -> None:

@@ -12,7 +12,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 from mcsim.store import readable_errors, write_whole
@@ -94,7 +94,10 @@ def log_scale(axes: Axes, which: Literal["x", "y"], values: Sequence[float]) -> 
     if len(finite) and np.log10(finite.max() / finite.min()) < _PLAIN_DECADES:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.10g}"))
+        axis.set_minor_locator(NullLocator())
     else:
+        # Ticks are what drawing spends its time on; two between powers say enough.
+        axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
         axis.set_major_formatter(FuncFormatter(lambda x, _: _power_of_ten(x)))
     axis.set_minor_formatter(NullFormatter())
 
