@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.cases import Problem
+from mcsim.cases.lengths import length_quantile
 from mcsim.scenario.model import MonteCarlo
-from mcsim.statistics import ESTIMATED, KEPT, Collector, Estimates, Reference, estimate
+from mcsim.statistics import ESTIMATED, KEPT, PERCENTILES, Collector, Estimates, Reference, estimate
 
 Array = NDArray[np.float64]
 
@@ -22,6 +23,9 @@ CHUNK = 4096
 #: a precision that is not there; the plain estimator serves them.
 FEWEST_CONTROLLED = 100
 _FIRST_COUNT = 1000
+#: The run that a linear answer is held against, and by how much it may miss it.
+_CHECK = {"estimator": "control_variate", "realizations": 1000, "precision": None}
+CONTRADICTION = 0.01
 _RMS = ESTIMATED.index("rms")
 
 
@@ -30,13 +34,15 @@ class PointResult:
     """Estimates of one point, its method errors (e,), and remarks per error.
 
     Everything in SI units; ``notes`` maps an error's name to why a value is missing
-    or degenerate.
+    or degenerate, ``variances`` a source of disturbance to its share (e,) of the linear
+    model's variance.
     """
 
     estimates: Estimates
     method: Array
     realizations: int
     notes: dict[str, str]
+    variances: Mapping[str, Array]
 
 
 def random_key(seed: int, *parts: str) -> int:
@@ -63,6 +69,8 @@ def run_point(
     ``threads`` share the realizations; the result does not depend on it.
     ``progress`` is called with the number of realizations just finished.
     """
+    if settings.estimator == "linear":
+        return _linear_point(problem, settings, key)
     bootstrap_key = random_key(settings.seed, "bootstrap")
     count = settings.realizations or min(_FIRST_COUNT, settings.max_realizations)
     notes = dict(problem.missing)
@@ -85,7 +93,36 @@ def run_point(
         wanted = int(np.ceil(1.1 * count * wider**2))
         count = min(max(wanted, 2 * count), settings.max_realizations)
     _note_degenerate(problem, estimates, count, notes)
-    return PointResult(estimates, problem.method_errors(), count, notes)
+    return PointResult(estimates, problem.method_errors(), count, notes, problem.linear.variances)
+
+
+def _linear_point(problem: Problem, settings: MonteCarlo, key: int) -> PointResult:
+    """The linear model's answer, with a note where a Monte-Carlo run contradicts it."""
+    estimates = linear_estimates(problem)
+    checked = run_point(problem, settings.model_copy(update=_CHECK), key)
+    notes = dict(problem.missing)
+    for i, name in enumerate(problem.error_names):
+        linear, simulated = estimates.value[i, _RMS], checked.estimates.value[i, _RMS]
+        low, high = checked.estimates.low[i, _RMS], checked.estimates.high[i, _RMS]
+        if not low <= linear <= high and abs(linear / simulated - 1.0) > CONTRADICTION:
+            notes[name] = "Monte Carlo contradicts the linear model by more than 1 %"
+    return PointResult(estimates, problem.method_errors(), 0, notes, problem.linear.variances)
+
+
+def linear_estimates(problem: Problem) -> Estimates:
+    """What the linear model says of every statistic; the intervals have no width."""
+    from scipy.special import ndtri
+
+    linear, method = problem.linear, problem.method_errors()
+    std = np.sqrt(np.maximum(linear.second_moment - linear.mean**2, 0.0))
+    mean = method + linear.mean
+    value = np.stack(
+        [mean, std, np.hypot(mean, std), *(mean + std * ndtri(p) for p in PERCENTILES)], axis=1
+    )
+    position = problem.error_names.index("position")
+    value[position, 3:] = [length_quantile(linear.centre, linear.plane, p) for p in PERCENTILES]
+    value[np.isnan(method)] = np.nan
+    return Estimates(value, value.copy(), value.copy(), np.zeros(len(method), bool))
 
 
 def _reference(problem: Problem, settings: MonteCarlo, count: int) -> Reference:

@@ -46,6 +46,9 @@ class Results:
         One row per point, error and statistic; swept values in the scenario's units.
     provenance : dict
         Scenario as resolved, seed, versions, platform, time, remarks, failures.
+    budget : DataFrame or None
+        Standard deviation and share of the variance that each source of disturbance
+        causes in each error, by the linear model.
     history : DataFrame or None
         Statistics of the errors at every sample, if the scenario asks for them.
     tracks : DataFrame or None
@@ -55,6 +58,7 @@ class Results:
     scenario: Scenario
     table: pd.DataFrame
     provenance: dict[str, Any]
+    budget: pd.DataFrame | None = None
     history: pd.DataFrame | None = None
     tracks: pd.DataFrame | None = None
 
@@ -97,6 +101,7 @@ def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
         scenario=scenario,
         table=_table(scenario, sweep),
         provenance=_provenance(scenario, sweep, remarks, seconds),
+        budget=_budget(scenario, sweep),
         history=history,
         tracks=tracks,
     )
@@ -144,6 +149,26 @@ def _point_rows(point: Point, result: PointResult) -> Iterator[tuple[Any, ...]]:
                 result.realizations,
                 note if missing or statistic != "method" else "",
             )
+
+
+def _budget(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
+    """One row per point, error and source that disturbs it."""
+    import pandas as pd
+
+    rows = []
+    for point in scenario.points:
+        if point.index not in sweep.points:
+            continue
+        variances = sweep.points[point.index].variances
+        total = np.sum(list(variances.values()), axis=0)
+        for i, name in enumerate(UNITS):
+            for source, variance in variances.items():
+                if variance[i] > 0.0:
+                    std = float(in_table_unit(name, np.sqrt(variance[i])))
+                    share = float(variance[i] / total[i])
+                    rows.append((*point.values, name, source, std, share, UNITS[name]))
+    columns = [axis.column for axis in scenario.axes]
+    return pd.DataFrame(rows, columns=[*columns, "error", "source", "std", "share", "unit"])
 
 
 def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | None]:

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 #: Statistics estimated from realizations, in the order of every table.
 ESTIMATED = ("mean", "std", "rms", "p50", "p95")
-_PERCENTILES = (0.50, 0.95)
+PERCENTILES = (0.50, 0.95)
 #: Most items that are resampled; cells grow by powers of two beyond.
 MOST_ITEMS = 2048
 #: Realizations that are kept as they are; beyond, only those near a percentile.
@@ -110,7 +110,7 @@ class Collector:
             errors = errors[:, kept:]
         with self._lock:
             if self._brackets is None:
-                self._brackets = [[_Bracket(row, p) for p in _PERCENTILES] for row in self._kept]
+                self._brackets = [[_Bracket(row, p) for p in PERCENTILES] for row in self._kept]
         for row, brackets in zip(errors, self._brackets, strict=True):
             for bracket in brackets:
                 bracket.add(row)
@@ -350,7 +350,7 @@ def _quantiles(collector: Collector, error: int, sigmas: float) -> tuple[Array, 
     """
     n = collector.count
     values, lows, highs = [], [], []
-    for i, p in enumerate(_PERCENTILES):
+    for i, p in enumerate(PERCENTILES):
         position = p * (n - 1)
         rank = int(position)
         first, last = _bounding_ranks(n, p, sigmas)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 TABLE, PROVENANCE, CHECKPOINT = "table", "provenance.json", ".checkpoint-"
 #: Tables beside the main one; each as CSV and Parquet.
-_EXTRA_TABLES = ("history", "tracks")
+_EXTRA_TABLES = ("budget", "history", "tracks")
 
 
 def save(results: Results, folder: Path) -> list[Path]:
@@ -40,7 +40,12 @@ def save(results: Results, folder: Path) -> list[Path]:
     InputError
         The folder cannot be written.
     """
-    tables = {TABLE: results.table, "history": results.history, "tracks": results.tracks}
+    tables = {
+        TABLE: results.table,
+        "budget": results.budget,
+        "history": results.history,
+        "tracks": results.tracks,
+    }
     written = []
     with readable_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -234,6 +239,7 @@ def _encode(index: int, result: PointResult) -> dict[str, Any]:
         "method": exact(result.method),
         "realizations": result.realizations,
         "notes": result.notes,
+        "variances": {source: exact(v)[0] for source, v in result.variances.items()},
     }
 
 
@@ -245,5 +251,9 @@ def _decode(record: dict[str, Any]) -> tuple[int, PointResult]:
         exact("value"), exact("low"), exact("high"), np.array(record["degenerate"], bool)
     )
     return int(record["index"]), PointResult(
-        estimates, exact("method")[0], int(record["realizations"]), dict(record["notes"])
+        estimates,
+        exact("method")[0],
+        int(record["realizations"]),
+        dict(record["notes"]),
+        {s: np.array([float.fromhex(x) for x in v]) for s, v in record["variances"].items()},
     )

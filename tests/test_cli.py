@@ -31,6 +31,8 @@ def test_run_writes_tables_and_pictures(scenario_file, tmp_path, capsys):
     assert "table.csv" in out
     assert "4/4 points" in err  # plain lines: this is no terminal
     assert sorted(p.name for p in (tmp_path / "out" / "case").iterdir()) == [
+        "budget.csv",
+        "budget.parquet",
         "figure.png",
         "figure.svg",
         "provenance.json",

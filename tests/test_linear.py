@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from mcsim.cases.planar_linear import mean_length
+from mcsim.cases.lengths import length_quantile, mean_length
 from tests.conftest import ALL_ERRORS, problem
 
 EVERYTHING = {
@@ -149,3 +149,15 @@ def test_mean_length_of_a_correlated_vector():
         lambda y, x: np.hypot(x, y) * density([x, y]), -8, 8, -8, 8, epsabs=1e-8, epsrel=1e-8
     )
     assert mean_length(centre, covariance) == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("p", [0.05, 0.5, 0.95, 0.999])
+def test_quantiles_of_plane_normal_vectors(p):
+    """Rayleigh, Rice and half-normal lengths, and a certain one."""
+    zero, unit = np.zeros(2), np.eye(2)
+    assert length_quantile(zero, unit, p) == pytest.approx(stats.rayleigh.ppf(p), rel=1e-9)
+    rice = stats.rice(2, scale=0.5).ppf(p)
+    assert length_quantile(np.array([1.0, 0]), 0.25 * unit, p) == pytest.approx(rice, rel=1e-9)
+    half = stats.halfnorm.ppf(p)
+    assert length_quantile(zero, np.diag([1.0, 0.0]), p) == pytest.approx(half, rel=1e-4)
+    assert length_quantile(np.array([3.0, 4.0]), 0.0 * unit, p) == 5.0

@@ -13,7 +13,7 @@ from mcsim.results import COLUMNS, UNITS
 from mcsim.scenario import STATISTICS
 from mcsim.store import Checkpoint, load_results
 from mcsim.sweep import run_sweep
-from tests.conftest import BASE_YAML, NO_NOISE, scenario
+from tests.conftest import ALL_ERRORS, BASE_YAML, NO_NOISE, scenario
 
 
 def files_of(folder):
@@ -35,6 +35,8 @@ def test_table_is_tidy_and_complete(tmp_path):
         v = rows.set_index("statistic")["value"]
         assert v["rms"] ** 2 == pytest.approx(v["mean"] ** 2 + v["std"] ** 2, rel=1e-12)
     assert files_of(tmp_path / "scenario") == [
+        "budget.csv",
+        "budget.parquet",
         "figure.png",
         "figure.svg",
         "provenance.json",
@@ -290,3 +292,33 @@ def test_recorded_files_belong_to_the_checkpoint(tmp_path):
     before = Checkpoint.of(s, tmp_path).path
     (tmp_path / "b.csv").write_text("\n".join(rows[:-1]))
     assert Checkpoint.of(s, tmp_path).path != before
+
+
+def test_budgets_tell_where_the_scatter_comes_from(tmp_path):
+    """Shares add to one; each source alone, squared and summed, gives the whole deviation."""
+    s = scenario({**ALL_ERRORS, "monte_carlo.realizations": 20_000})
+    results = mcsim.run(s, output=tmp_path)
+    budget = load_results(tmp_path / "base").budget
+    pd.testing.assert_frame_equal(budget, results.budget, check_dtype=False)
+    std = results.table[results.table["statistic"] == "std"].set_index("error")["value"]
+    for name, rows in budget.groupby("error"):
+        assert rows["share"].sum() == pytest.approx(1.0)
+        if name != "position":
+            assert np.sqrt((rows["std"] ** 2).sum()) == pytest.approx(std[name], rel=0.005)
+
+
+def test_linear_answers_have_the_tables_shape_and_flag_contradictions():
+    easy = mcsim.run(scenario({**ALL_ERRORS, "monte_carlo.estimator": "linear"}))
+    exact = mcsim.run(scenario({**ALL_ERRORS, "monte_carlo.realizations": 200_000}))
+    assert list(easy.table.columns) == list(exact.table.columns)
+    a = easy.table.set_index(["error", "statistic"])["value"]
+    b = exact.table.set_index(["error", "statistic"])["value"]
+    for name in UNITS:
+        for statistic in ("std", "rms", "p95"):
+            assert a[name, statistic] == pytest.approx(b[name, statistic], rel=0.01)
+    assert not easy.remarks
+    hard = mcsim.run(
+        scenario({"sensors.gyroscope.miscalibration": "3 °/s", "monte_carlo.estimator": "linear"})
+    )
+    assert any("across: Monte Carlo contradicts the linear model" in r for r in hard.remarks)
+    assert not any(r.startswith("heading") for r in hard.remarks)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.cases.lengths import mean_length
 from mcsim.cases.problem import LinearModel
 
 Array = NDArray[np.float64]
@@ -155,25 +156,4 @@ def linear_model(weights: Weights, method: Array) -> LinearModel:
         source: np.array([v[ALONG], v[ACROSS], v[ALONG] + v[ACROSS], v[HEADING], v[COURSE]])
         for source, v in weights.variances().items()
     }
-    return LinearModel(mean, second, variances)
-
-
-def mean_length(centre: Array, covariance: Array) -> float:
-    """Mean length of a plane normal vector, exact to quadrature.
-
-    ``E sqrt(Q) = 1 / (2 sqrt(pi)) integral (1 - E exp(-t Q)) t^(-3/2) dt`` with the
-    moment generating function of a quadratic form; substituting t = exp(2 x) makes the
-    integrand smooth and doubly decaying, where the trapezoidal rule converges fast.
-    """
-    values, vectors = np.linalg.eigh(covariance)
-    values = np.maximum(values, 0.0)
-    squares = (vectors.T @ centre) ** 2
-    scale = float(np.sum(values) + np.sum(squares))
-    if scale <= 0.0:
-        return 0.0
-    values, squares = values / scale, squares / scale
-    x = np.linspace(-38.0, 38.0, 3041)
-    t = np.exp(2.0 * x)[:, None]
-    log_mgf = -np.sum(0.5 * np.log1p(2.0 * t * values) + t * squares / (1.0 + 2.0 * t * values), 1)
-    integrand = -np.expm1(log_mgf) * np.exp(-x)
-    return float(np.sqrt(scale / np.pi) * np.sum(integrand) * (x[1] - x[0]))
+    return LinearModel(mean, second, variances, np.asarray(method[:2]), plane)

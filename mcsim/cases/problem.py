@@ -43,12 +43,16 @@ class LinearModel:
     """First-order effect of every disturbance on the errors; SI units, (e,) each.
 
     ``mean`` and ``second_moment`` are the expectations of the controls and of their
-    squares; ``variances`` those of the signed errors by source of disturbance.
+    squares; ``variances`` those of the signed errors by source of disturbance (for the
+    position error: of its two components together).  ``centre`` (2,) and ``plane``
+    (2, 2) are mean and covariance of the plane position error.
     """
 
     mean: Array
     second_moment: Array
     variances: Mapping[str, Array]
+    centre: Array
+    plane: Array
 
 
 class Problem(Protocol):

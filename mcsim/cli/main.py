@@ -98,6 +98,7 @@ def commands() -> None:
 @click.option("--set", "overrides", multiple=True, metavar="PATH=VALUE", help="Replace a value.")
 @click.option("--seed", type=int, help="Seed of the random numbers.")
 @click.option("--realizations", type=int, help="Realizations per point.")
+@click.option("--linear", is_flag=True, help="The linear model's answer, at once.")
 @click.option("--dry-run", is_flag=True, help="Say what would be run, and stop.")
 @_JOBS
 @_OUTPUT
@@ -107,6 +108,7 @@ def run(
     overrides: tuple[str, ...],
     seed: int | None,
     realizations: int | None,
+    linear: bool,
     dry_run: bool,
     jobs: int | None,
     output: Path,
@@ -115,7 +117,7 @@ def run(
     """Run scenarios; write tables, figures and provenance."""
     from mcsim.results import check
 
-    read = [_read(path, overrides, seed, realizations) for path in scenarios]
+    read = [_read(path, overrides, seed, realizations, linear) for path in scenarios]
     _refuse_same_names(read)
     for scenario in read:
         check(scenario)
@@ -227,7 +229,11 @@ def plot(results: tuple[Path, ...], output: Path | None) -> None:
 
 
 def _read(
-    path: Path, overrides: tuple[str, ...], seed: int | None, realizations: int | None
+    path: Path,
+    overrides: tuple[str, ...],
+    seed: int | None,
+    realizations: int | None,
+    linear: bool,
 ) -> Scenario:
     from mcsim.scenario import Scenario
 
@@ -237,6 +243,8 @@ def _read(
         settings["monte_carlo.seed"] = seed
     if realizations is not None:
         settings |= {"monte_carlo.realizations": realizations, "monte_carlo.precision": None}
+    if linear:
+        settings["monte_carlo.estimator"] = "linear"
     return scenario.with_values(settings) if settings else scenario
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mcsim import catalogue
-from mcsim.results import Results
+from mcsim.results import UNITS, Results
 
 _SUMMARY = ("mean", "std", "rms", "p95", "method")
 _QUANTITIES = {"range": "range", "noise_density": "noise density", "rate": "largest rate"}
@@ -22,13 +22,34 @@ def summary(results: Results) -> str:
             row = by_statistic.loc[statistic]
             rows[-1].append(_estimate(row, with_interval=statistic != "method"))
     count = int(table["realizations"].iloc[0])
-    return "\n".join([*_columns(rows), f"{count:,} realizations"])
+    behind = f"{count:,} realizations" if count else "linear model, no realizations"
+    return "\n".join([*_columns(rows), behind, "", *_budget_lines(results)])
+
+
+def _budget_lines(results: Results) -> list[str]:
+    """Where the scatter comes from: standard deviation and share of the variance by source."""
+    budget = results.budget
+    if budget is None or not len(budget):
+        return ["nothing disturbs this run"]
+    errors = [name for name in UNITS if (budget["error"] == name).any()]
+    rows = [["source", *(f"{name} [{UNITS[name]}]" for name in errors)]]
+    for source in budget["source"].unique():
+        by_error = budget[budget["source"] == source].set_index("error")
+        cells = [
+            f"{by_error.loc[e, 'std']:.3g} ({by_error.loc[e, 'share']:.0%})"
+            if e in by_error.index
+            else "–"
+            for e in errors
+        ]
+        rows.append([str(source), *cells])
+    return _columns(rows)
 
 
 def _estimate(row: Any, with_interval: bool) -> str:
     if row["value"] != row["value"]:
         return "undefined"
-    interval = f" [{row['ci_low']:.3g}, {row['ci_high']:.3g}]" if with_interval else ""
+    low, high = f"{row['ci_low']:.3g}", f"{row['ci_high']:.3g}"
+    interval = f" [{low}, {high}]" if with_interval and low != high else ""
     return f"{row['value']:.3g}{interval}"
 
 

@@ -334,8 +334,9 @@ class MonteCarlo(Block):
     max_realizations: Annotated[int, Whole, Ge(1000), Le(20_000_000)] = 1_000_000
     """Where `precision` gives up."""
     seed: Annotated[int, Whole, Ge(0), Le(LARGEST_SEED)] = 1
-    estimator: Literal["control_variate", "plain"] = "control_variate"
-    """`control_variate` estimates only what the linear model leaves, `plain` everything."""
+    estimator: Literal["control_variate", "plain", "linear"] = "control_variate"
+    """`control_variate` estimates only what the linear model leaves, `plain` everything;
+    `linear` reports the linear model, and where Monte Carlo contradicts it."""
     confidence: Confidence = 3.0
     """Confidence of the intervals, `3 sigma` or `95 %`."""
     resamples: Annotated[int, Whole, Ge(100), Le(100_000)] = 1000
