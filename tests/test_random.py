@@ -147,3 +147,115 @@ def test_streams_of_neighbouring_realizations_do_not_correlate():
     # 1500 values each: deviation 1/sqrt(1500); 79,800 pairs stay within 5.5 of it.
     assert np.abs(off_diagonal).max() < 5.5 / math.sqrt(1500)
     assert abs(off_diagonal.std() * math.sqrt(1500) - 1.0) < 0.02
+
+
+REALIZATIONS, SAMPLES = 100_000, 336  # three channels: 100.8 million normals
+BINS, REACH = 400, 8.0
+
+
+@njit(nogil=True)
+def survey(key, realizations, samples):
+    """Sums over the white noise of many realizations, drawn as the planar kernel draws it.
+
+    Channel k of sample i is normal 3 i + k of the realization's stream.
+    """
+    powers = np.zeros((3, 9))
+    cross = np.zeros((3, 3, 2))
+    serial = np.zeros((3, 2))
+    histogram = np.zeros((3, BINS), np.int64)
+    z = np.zeros(3)
+    before = np.zeros(3)
+    for r in range(realizations):
+        s0, s1, s2, s3 = kernel_random.stream_words(uint64(key), uint64(r), 0, 0)
+        spare = 0.0
+        has_spare = False
+        for i in range(samples):
+            for k in range(3):
+                if has_spare:
+                    z[k] = spare
+                    has_spare = False
+                else:
+                    a, s0, s1, s2, s3 = kernel_random.xoshiro_next(s0, s1, s2, s3)
+                    b, s0, s1, s2, s3 = kernel_random.xoshiro_next(s0, s1, s2, s3)
+                    first, second = kernel_random.normal_pair(a, b)
+                    z[k] = first
+                    spare = second
+                    has_spare = True
+                power = 1.0
+                for order in range(9):
+                    powers[k, order] += power
+                    power *= z[k]
+                place = int((z[k] + REACH) / (2 * REACH) * BINS)
+                histogram[k, min(max(place, 0), BINS - 1)] += 1
+            for k in range(3):
+                for m in range(k):
+                    cross[k, m, 0] += z[k] * z[m]
+                    cross[k, m, 1] += z[k] ** 2 * z[m] ** 2 - 1.0
+                if i > 0:
+                    serial[k, 0] += z[k] * before[k]
+                    serial[k, 1] += z[k] ** 2 * before[k] ** 2 - 1.0
+            before[:] = z
+    return powers, cross, serial, histogram
+
+
+@pytest.fixture(scope="module")
+def surveyed():
+    return survey(2026, REALIZATIONS, SAMPLES)
+
+
+def test_survey_draws_what_the_twin_draws():
+    """The survey's first moments over a few realizations equal those of the numpy twin."""
+    powers, *_ = survey(5, 20, 50)
+    twin = random_numpy.white_noise(5, np.arange(20), 50)
+    np.testing.assert_allclose(powers[:, 1], twin.sum(axis=(0, 2)), rtol=1e-4, atol=1e-3)
+    np.testing.assert_allclose(powers[:, 2], (twin**2).sum(axis=(0, 2)), rtol=1e-5)
+
+
+def test_moments_to_the_eighth_order_of_a_hundred_million(surveyed):
+    n = REALIZATIONS * SAMPLES
+    for channel in surveyed[0]:
+        assert channel[0] == n
+        for order in range(1, 9):
+            expected = 0.0 if order % 2 else math.prod(range(1, order, 2))
+            error = math.sqrt((math.prod(range(1, 2 * order, 2)) - expected**2) / n)
+            assert abs(channel[order] / n - expected) < 5 * error, order
+
+
+def test_channels_and_neighbours_of_a_hundred_million_are_independent(surveyed):
+    _, cross, serial, _ = surveyed
+    n = REALIZATIONS * SAMPLES
+    pairs_of_channels = [cross[k, m] for k in range(3) for m in range(k)]
+    for product, squares in (*pairs_of_channels, *serial):
+        assert abs(product) < 5 * math.sqrt(n)
+        # Var(z^2 y^2) = 9 - 1
+        assert abs(squares) < 5 * math.sqrt(8 * n)
+
+
+def test_distribution_and_tails_of_a_hundred_million(surveyed):
+    """Chi-square over bins of 0.04 sigma, and the counts beyond 4, 5 and 6 sigma."""
+    from scipy.stats import chi2, norm, poisson
+
+    histogram = surveyed[3].sum(axis=0)
+    n = histogram.sum()
+    edges = np.linspace(-REACH, REACH, BINS + 1)
+    expected = n * np.diff(norm.cdf(edges))
+    inner = expected > 50
+    statistic = np.sum((histogram[inner] - expected[inner]) ** 2 / expected[inner])
+    assert chi2.sf(statistic, inner.sum()) > 1e-5
+    for sigmas in (4.0, 5.0, 6.0):
+        beyond = histogram[np.abs(edges[:-1] + edges[1:]) / 2 > sigmas].sum()
+        mean = 2 * n * norm.sf(sigmas)
+        assert poisson.ppf(1e-5, mean) <= beyond <= poisson.isf(1e-5, mean), sigmas
+
+
+def test_variance_of_the_normals_is_one_to_a_ten_millionth():
+    """Control variates rest on it. Midpoints of equal bins integrate both factors exactly."""
+    words = (np.arange(2**22, dtype=np.uint64) * 2**10 + 2**9).astype(np.uint32)
+    radius_squared = logarithms(words).astype(float)
+    exact = -2.0 * np.log((words | np.uint32(1)).astype(float) / 2.0**32)
+    assert abs(np.mean(radius_squared - exact)) < 1e-7
+    one = np.full(len(words), np.uint32(0x5E2D58D9))  # a radius of about one
+    z = pairs(one, words).astype(float)
+    scale = float(logarithms(one[:1])[0])
+    assert abs(np.mean(z[0] ** 2) / scale - 0.5) < 1e-7
+    assert abs(np.mean(z[1] ** 2) / scale - 0.5) < 1e-7
