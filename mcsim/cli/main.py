@@ -266,9 +266,11 @@ def _run_one(
     draw: Callable[[Results, Path], object] | None = None,
 ) -> Results:
     from mcsim.api import run as run_scenario
-    from mcsim.cli.progress import progress_for
+    from mcsim.cli.progress import announce_compilation, progress_for
     from mcsim.store import Checkpoint
 
+    if not quiet:
+        announce_compilation()
     try:
         return run_scenario(
             scenario, jobs=jobs, output=output, progress=progress_for(quiet), draw=draw

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from mcsim.sweep import Progress, Silent
@@ -21,6 +22,26 @@ def progress_for(quiet: bool) -> Progress:
     if quiet or sys.stderr is None:
         return Silent()
     return Bar() if sys.stderr.isatty() else Lines()
+
+
+@cache
+def announce_compilation() -> None:
+    """Say, once, that kernels are being compiled; kernels from the cache say nothing."""
+    from numba.core import event
+
+    class Announcer(event.Listener):
+        said = False
+
+        def on_start(self, event: Any) -> None:
+            del event
+            if not self.said:
+                self.said = True
+                _say("compiling for this machine; this happens once and takes some seconds")
+
+        def on_end(self, event: Any) -> None:
+            del event
+
+    event.register("numba:compile", Announcer())  # type: ignore[no-untyped-call]
 
 
 class Bar:
