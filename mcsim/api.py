@@ -20,6 +20,7 @@ def run(
     output: str | Path | None = None,
     progress: Progress | None = None,
     draw: Callable[[Results, Path], object] | None = None,
+    dask: str | None = None,
 ) -> Results:
     """Run a scenario: every point of its sweep, all realizations, all statistics.
 
@@ -37,6 +38,8 @@ def run(
         Hears how the run goes.
     draw : callable, optional
         Draws the results into their folder; the usual figures if absent.
+    dask : str, optional
+        Address of a Dask scheduler whose workers run the points (extra ``mcsim[dask]``).
 
     Returns
     -------
@@ -52,13 +55,13 @@ def run(
     check(scenario)
     begun = time.perf_counter()
     if output is None:
-        sweep = run_sweep(scenario, jobs, progress)
+        sweep = run_sweep(scenario, jobs, progress, dask=dask)
         return assemble(scenario, sweep, time.perf_counter() - begun)
     folder = Path(output) / scenario.name
     checkpoint = Checkpoint.of(scenario, folder)
     done = checkpoint.read()
     with checkpoint.writer() as keep:
-        sweep = run_sweep(scenario, jobs, progress, done, keep)
+        sweep = run_sweep(scenario, jobs, progress, done, keep, dask)
     if not sweep.points:
         raise McsimError(
             f"{scenario.name}: no point could be run, nothing was written: "

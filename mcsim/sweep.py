@@ -46,6 +46,10 @@ class Silent:
         pass
 
 
+#: How long to wait for a Dask scheduler.
+_DASK_TIMEOUT = "10s"
+
+
 @dataclass(frozen=True)
 class SweepResult:
     """Results by the index of their point, and the points that failed, with the reason."""
@@ -92,12 +96,20 @@ def run_sweep(
     progress: Progress | None = None,
     done: Mapping[int, PointResult] | None = None,
     on_result: Callable[[int, PointResult], None] = lambda *_: None,
+    dask: str | None = None,
 ) -> SweepResult:
     """Run every point that is not in ``done`` yet.
 
     Kernels release the interpreter lock, so the workers are threads: over points
     where there are several, over realizations where there is one.  ``on_result``
-    is called in this thread, as points finish.
+    is called in this thread, as points finish.  With ``dask``, the address of a
+    scheduler, the points run on its workers instead: specifications travel out,
+    statistics come back, and the results are the same to the bit.
+
+    Raises
+    ------
+    InputError
+        Dask is not installed, or no scheduler answers.
     """
     jobs = jobs or default_jobs()
     progress = progress or Silent()
@@ -107,8 +119,12 @@ def run_sweep(
     threads_inside = jobs if len(todo) < jobs else 1
     workers = 1 if threads_inside > 1 else jobs
     progress.start(scenario, _expected_realizations(todo), len(results))
+    if dask is not None:
+        outcomes = _remote_outcomes(todo, scenario.folder.resolve(), dask, progress)
+    else:
+        outcomes = _outcomes(todo, scenario.folder, workers, threads_inside, progress)
     try:
-        for index, outcome in _outcomes(todo, scenario.folder, workers, threads_inside, progress):
+        for index, outcome in outcomes:
             if isinstance(outcome, str):
                 failures[index] = outcome
             else:
@@ -147,3 +163,32 @@ def _run(point: Point, folder: Path, threads: int, advance: Callable[[int], None
     settings = point.model.monte_carlo
     problem = problem_of(point.model, folder)
     return run_point(problem, settings, point_key(settings, point.identities), threads, advance)
+
+
+def _remote_outcomes(
+    points: list[Point], folder: Path, address: str, progress: Progress
+) -> Iterator[tuple[int, PointResult | str]]:
+    """The points on the workers of a Dask cluster, as they finish."""
+    try:
+        from distributed import Client, as_completed
+    except ImportError:
+        raise InputError("--dask needs the extra: pip install 'mcsim[dask]'") from None
+    try:
+        client = Client(address, timeout=_DASK_TIMEOUT)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(f"--dask {address}: no scheduler answers ({error})") from None
+    with client:
+        futures = client.map(_run_remotely, points, [folder] * len(points), pure=False)
+        for future in as_completed(futures):  # type: ignore[no-untyped-call]
+            index, outcome = future.result()
+            if not isinstance(outcome, str):
+                progress.advance(outcome.realizations)
+            future.release()
+            yield index, outcome
+
+
+def _run_remotely(point: Point, folder: Path) -> tuple[int, PointResult | str]:
+    try:
+        return point.index, _run(point, folder, 1, lambda _: None)
+    except Exception as error:
+        return point.index, f"{type(error).__name__}: {error}"

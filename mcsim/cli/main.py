@@ -99,6 +99,7 @@ def commands() -> None:
 @click.option("--seed", type=int, help="Seed of the random numbers.")
 @click.option("--realizations", type=int, help="Realizations per point.")
 @click.option("--linear", is_flag=True, help="The linear model's answer, at once.")
+@click.option("--dask", metavar="ADDRESS", help="Run the points on this Dask scheduler's workers.")
 @click.option("--dry-run", is_flag=True, help="Say what would be run, and stop.")
 @_JOBS
 @_OUTPUT
@@ -109,6 +110,7 @@ def run(
     seed: int | None,
     realizations: int | None,
     linear: bool,
+    dask: str | None,
     dry_run: bool,
     jobs: int | None,
     output: Path,
@@ -127,7 +129,7 @@ def run(
         return
     failures = []
     for scenario in read:
-        results = _run_one(scenario, jobs, output, quiet)
+        results = _run_one(scenario, jobs, output, quiet, dask=dask)
         failures += results.failures
         if not quiet:
             _report(results, output / scenario.name)
@@ -264,6 +266,7 @@ def _run_one(
     output: Path,
     quiet: bool,
     draw: Callable[[Results, Path], object] | None = None,
+    dask: str | None = None,
 ) -> Results:
     from mcsim.api import run as run_scenario
     from mcsim.cli.progress import announce_compilation, progress_for
@@ -273,7 +276,7 @@ def _run_one(
         announce_compilation()
     try:
         return run_scenario(
-            scenario, jobs=jobs, output=output, progress=progress_for(quiet), draw=draw
+            scenario, jobs=jobs, output=output, progress=progress_for(quiet), draw=draw, dask=dask
         )
     except KeyboardInterrupt:
         kept = len(Checkpoint.of(scenario, output / scenario.name).read())
