@@ -569,16 +569,21 @@ def simulate(
     exact = largest_turn > LARGEST_TURN
     for channel in range(3):
         little = little and deviations[channel] == 0.0
+    # What nothing scales need not be drawn; the trapezoidal rule uses sample 0's noise.
+    with_constants = trapezoidal
+    for k in range(deviations.shape[0]):
+        with_constants = with_constants or deviations[k] != 0.0
     by_fours = not (trapezoidal or exact or record)
     random_state = np.empty(4 * LANES, np.uint32)
     normals = np.empty(3 * GROUP * LANES, np.float32)
-    constants = np.empty(N_CONSTANTS * LANES, np.float32)
+    constants = np.zeros(N_CONSTANTS * LANES, np.float32)
     state = np.empty(_N_STATE, np.float64)
     for block in range((count + LANES - 1) // LANES):
         start = block * LANES
         filled = min(LANES, count - start)
         block_first = first + uint64(start)
-        _draw_constants(key, block_first, constants)
+        if with_constants:
+            _draw_constants(key, block_first, constants)
         _start(constants, deviations, white, initial, signals, interval, state)
         if with_linear:
             _start_linear(constants, linear_constants, state)
