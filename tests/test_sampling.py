@@ -76,7 +76,7 @@ def test_a_jump_between_dense_points_keeps_its_integral():
     Without the mean over the cell that holds the jump, the heading would be off by up to
     half a millisecond times the jump: 0.05 degrees here.
     """
-    for rate in ("50 Hz", "100 Hz", "200 Hz", "400 Hz"):
+    for rate in ("50 Hz", "100 Hz", "200 Hz", "400 Hz", "1000 Hz"):
         p = problem(
             {
                 "trajectory": {

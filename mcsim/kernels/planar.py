@@ -29,13 +29,27 @@ from numba import uint64
 from numpy.typing import NDArray
 
 from mcsim.kernels.compilation import kernel, scalar
-from mcsim.kernels.random import normal_pair, stream_words, xoshiro_next
+from mcsim.kernels.lanes import (
+    GROUP,
+    LANES,
+    N_CONSTANTS,
+    WHITE_NOISE,
+    draw_constants,
+    draw_group,
+    seed_lanes,
+)
+from mcsim.kernels.rotation import (
+    LARGEST_TURN,
+    LITTLE_TURN,
+    angles_from,
+    turn,
+    turn_exactly,
+    turn_little,
+    wrap,
+)
 
 Array = NDArray[np.float64]
 
-LANES = 128
-#: Samples drawn and integrated between two visits of the state rows.
-GROUP = 4
 #: Rows of the result: along, across, position, heading, course.
 ERRORS = 5
 #: Rows of the linear errors: along, across, course, heading.
@@ -43,15 +57,9 @@ LINEAR_ERRORS = 4
 #: Weights of a sample's three channels: nine for the first three of them, one (of the
 #: turn) for the heading.
 LINEAR_WEIGHTS = 10
-#: Largest turn per sample (rad) that ``turn_little`` and ``turn`` are used for: they
-#: err by less than 7e-15 and 3e-10 there.
-LITTLE_TURN, LARGEST_TURN = 0.004, 0.5
-
-#: Streams of a realization: white noise of the samples, constants drawn once.
-WHITE_NOISE, CONSTANTS = 0, 1
-#: Constants: three miscalibrations, initial speed, direction, heading and course
-#: errors, one spare, then the noise of sample 0 (used by the trapezoidal rule).
-N_CONSTANTS = 12
+# Constants of a realization (see ``lanes``): three miscalibrations, initial speed,
+# direction, heading and course errors, one spare, then the noise of sample 0, which the
+# trapezoidal rule uses.
 
 # Rows of the state: heading vector, velocity, position, four linear errors, the
 # previous sample's channels, half of the previous interval's turn, three offsets, and
@@ -65,32 +73,6 @@ _N_STATE = LANES * 18
 
 #: Rows of a recorded history: along, across, velocity along, velocity across, heading.
 HISTORY_ROWS = 5
-
-
-@scalar
-def turn_little(c, s, angle):
-    """Rotate (c, s) by a small angle: Taylor series to the 4th order, error |angle|^5 / 120."""
-    q = angle * angle
-    sin_a = angle + angle * q * (-1 / 6)
-    cos_a_less_1 = q * (-1 / 2 + q * (1 / 24))
-    return c + c * cos_a_less_1 - s * sin_a, s + s * cos_a_less_1 + c * sin_a
-
-
-@scalar
-def turn(c, s, angle):
-    """Rotate (c, s) by an angle: Taylor series to the 9th order, error |angle|^10 / 10!."""
-    q = angle * angle
-    sin_a = angle + angle * q * (-1 / 6 + q * (1 / 120 + q * (-1 / 5040 + q * (1 / 362880))))
-    cos_a_less_1 = q * (-1 / 2 + q * (1 / 24 + q * (-1 / 720 + q * (1 / 40320))))
-    return c + c * cos_a_less_1 - s * sin_a, s + s * cos_a_less_1 + c * sin_a
-
-
-@scalar
-def turn_exactly(c, s, angle):
-    """Rotate (c, s) by an angle of any size."""
-    cos_a = math.cos(angle)
-    sin_a = math.sin(angle)
-    return c * cos_a - s * sin_a, s * cos_a + c * sin_a
 
 
 def _make_steps(turn_by):
@@ -120,67 +102,6 @@ def _make_steps(turn_by):
 _step_little, _ = _make_steps(turn_little)
 _step, _trapezoidal_step = _make_steps(turn)
 _step_exactly, _trapezoidal_step_exactly = _make_steps(turn_exactly)
-
-
-@scalar
-def _seed_lanes(key, first, stream, random_state):
-    """Put the xoshiro states of ``LANES`` realizations from ``first`` on into place."""
-    for j in range(LANES):
-        s0, s1, s2, s3 = stream_words(key, first + uint64(j), stream, 0)
-        random_state[j] = s0
-        random_state[LANES + j] = s1
-        random_state[2 * LANES + j] = s2
-        random_state[3 * LANES + j] = s3
-
-
-@scalar
-def _draw_constants(key, first, constants):
-    """Twelve normals per lane for what a realization draws once."""
-    for block in range(N_CONSTANTS // 4):
-        row = 4 * block * LANES
-        for j in range(LANES):
-            w0, w1, w2, w3 = stream_words(key, first + uint64(j), CONSTANTS, block)
-            z0, z1 = normal_pair(w0, w1)
-            z2, z3 = normal_pair(w2, w3)
-            constants[row + j] = z0
-            constants[row + LANES + j] = z1
-            constants[row + 2 * LANES + j] = z2
-            constants[row + 3 * LANES + j] = z3
-
-
-@scalar
-def _draw_group(random_state, normals):
-    """Twelve normals per lane: three channels of ``GROUP`` samples.
-
-    Unrolled by hand; in a loop over pairs LLVM does not vectorise over lanes.
-    """
-    for j in range(LANES):
-        s0 = random_state[j]
-        s1 = random_state[LANES + j]
-        s2 = random_state[2 * LANES + j]
-        s3 = random_state[3 * LANES + j]
-        a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[j], normals[LANES + j] = normal_pair(a, b)
-        a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[2 * LANES + j], normals[3 * LANES + j] = normal_pair(a, b)
-        a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[4 * LANES + j], normals[5 * LANES + j] = normal_pair(a, b)
-        a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[6 * LANES + j], normals[7 * LANES + j] = normal_pair(a, b)
-        a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[8 * LANES + j], normals[9 * LANES + j] = normal_pair(a, b)
-        a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
-        normals[10 * LANES + j], normals[11 * LANES + j] = normal_pair(a, b)
-        random_state[j] = s0
-        random_state[LANES + j] = s1
-        random_state[2 * LANES + j] = s2
-        random_state[3 * LANES + j] = s3
 
 
 @scalar
@@ -237,73 +158,53 @@ def _start_linear(constants, linear_constants, state):
                 state[row + j] += weight * constants[k * LANES + j]
 
 
-@scalar
-def _advance_four_little(i, normals, signals, white, state):
-    """Four samples from sample ``i`` on: rectangular, no offsets, little turns."""
-    f0, l0, w0 = signals[i, 0], signals[i, 1], signals[i, 2]
-    f1, l1, w1 = signals[i + 1, 0], signals[i + 1, 1], signals[i + 1, 2]
-    f2, l2, w2 = signals[i + 2, 0], signals[i + 2, 1], signals[i + 2, 2]
-    f3, l3, w3 = signals[i + 3, 0], signals[i + 3, 1], signals[i + 3, 2]
-    sf, sl, sw = white[0], white[1], white[2]
-    for j in range(LANES):
-        c, s = state[_COS + j], state[_SIN + j]
-        vl, vd = state[_VL + j], state[_VD + j]
-        pl, pd = state[_PL + j], state[_PD + j]
-        f = f0 + sf * normals[j]
-        l = l0 + sl * normals[LANES + j]  # noqa: E741
-        w = w0 + sw * normals[2 * LANES + j]
-        c, s, vl, vd, pl, pd = _step_little(c, s, vl, vd, pl, pd, f, l, w)
-        f = f1 + sf * normals[3 * LANES + j]
-        l = l1 + sl * normals[4 * LANES + j]  # noqa: E741
-        w = w1 + sw * normals[5 * LANES + j]
-        c, s, vl, vd, pl, pd = _step_little(c, s, vl, vd, pl, pd, f, l, w)
-        f = f2 + sf * normals[6 * LANES + j]
-        l = l2 + sl * normals[7 * LANES + j]  # noqa: E741
-        w = w2 + sw * normals[8 * LANES + j]
-        c, s, vl, vd, pl, pd = _step_little(c, s, vl, vd, pl, pd, f, l, w)
-        f = f3 + sf * normals[9 * LANES + j]
-        l = l3 + sl * normals[10 * LANES + j]  # noqa: E741
-        w = w3 + sw * normals[11 * LANES + j]
-        c, s, vl, vd, pl, pd = _step_little(c, s, vl, vd, pl, pd, f, l, w)
-        state[_COS + j], state[_SIN + j] = c, s
-        state[_VL + j], state[_VD + j] = vl, vd
-        state[_PL + j], state[_PD + j] = pl, pd
+def _make_advance_four(step, with_offsets):
+    """Advance a block by four samples, rectangular, with or without constant offsets."""
+
+    @scalar
+    def disturbed(undisturbed, offset, noise):
+        return undisturbed + offset + noise if with_offsets else undisturbed + noise
+
+    @scalar
+    def advance_four(i, normals, signals, white, state):
+        f0, l0, w0 = signals[i, 0], signals[i, 1], signals[i, 2]
+        f1, l1, w1 = signals[i + 1, 0], signals[i + 1, 1], signals[i + 1, 2]
+        f2, l2, w2 = signals[i + 2, 0], signals[i + 2, 1], signals[i + 2, 2]
+        f3, l3, w3 = signals[i + 3, 0], signals[i + 3, 1], signals[i + 3, 2]
+        sf, sl, sw = white[0], white[1], white[2]
+        for j in range(LANES):
+            c, s = state[_COS + j], state[_SIN + j]
+            vl, vd = state[_VL + j], state[_VD + j]
+            pl, pd = state[_PL + j], state[_PD + j]
+            bf = state[_OFFSETS + j]
+            bl = state[_OFFSETS + LANES + j]
+            bw = state[_OFFSETS + 2 * LANES + j]
+            forward = disturbed(f0, bf, sf * normals[j])
+            left = disturbed(l0, bl, sl * normals[LANES + j])
+            angle = disturbed(w0, bw, sw * normals[2 * LANES + j])
+            c, s, vl, vd, pl, pd = step(c, s, vl, vd, pl, pd, forward, left, angle)
+            forward = disturbed(f1, bf, sf * normals[3 * LANES + j])
+            left = disturbed(l1, bl, sl * normals[4 * LANES + j])
+            angle = disturbed(w1, bw, sw * normals[5 * LANES + j])
+            c, s, vl, vd, pl, pd = step(c, s, vl, vd, pl, pd, forward, left, angle)
+            forward = disturbed(f2, bf, sf * normals[6 * LANES + j])
+            left = disturbed(l2, bl, sl * normals[7 * LANES + j])
+            angle = disturbed(w2, bw, sw * normals[8 * LANES + j])
+            c, s, vl, vd, pl, pd = step(c, s, vl, vd, pl, pd, forward, left, angle)
+            forward = disturbed(f3, bf, sf * normals[9 * LANES + j])
+            left = disturbed(l3, bl, sl * normals[10 * LANES + j])
+            angle = disturbed(w3, bw, sw * normals[11 * LANES + j])
+            c, s, vl, vd, pl, pd = step(c, s, vl, vd, pl, pd, forward, left, angle)
+            state[_COS + j], state[_SIN + j] = c, s
+            state[_VL + j], state[_VD + j] = vl, vd
+            state[_PL + j], state[_PD + j] = pl, pd
+
+    return advance_four
 
 
-@scalar
-def _advance_four(i, normals, signals, white, state):
-    """Four samples from sample ``i`` on: rectangular, with offsets, turns to LARGEST_TURN."""
-    f0, l0, w0 = signals[i, 0], signals[i, 1], signals[i, 2]
-    f1, l1, w1 = signals[i + 1, 0], signals[i + 1, 1], signals[i + 1, 2]
-    f2, l2, w2 = signals[i + 2, 0], signals[i + 2, 1], signals[i + 2, 2]
-    f3, l3, w3 = signals[i + 3, 0], signals[i + 3, 1], signals[i + 3, 2]
-    sf, sl, sw = white[0], white[1], white[2]
-    for j in range(LANES):
-        c, s = state[_COS + j], state[_SIN + j]
-        vl, vd = state[_VL + j], state[_VD + j]
-        pl, pd = state[_PL + j], state[_PD + j]
-        bf = state[_OFFSETS + j]
-        bl = state[_OFFSETS + LANES + j]
-        bw = state[_OFFSETS + 2 * LANES + j]
-        f = f0 + bf + sf * normals[j]
-        l = l0 + bl + sl * normals[LANES + j]  # noqa: E741
-        w = w0 + bw + sw * normals[2 * LANES + j]
-        c, s, vl, vd, pl, pd = _step(c, s, vl, vd, pl, pd, f, l, w)
-        f = f1 + bf + sf * normals[3 * LANES + j]
-        l = l1 + bl + sl * normals[4 * LANES + j]  # noqa: E741
-        w = w1 + bw + sw * normals[5 * LANES + j]
-        c, s, vl, vd, pl, pd = _step(c, s, vl, vd, pl, pd, f, l, w)
-        f = f2 + bf + sf * normals[6 * LANES + j]
-        l = l2 + bl + sl * normals[7 * LANES + j]  # noqa: E741
-        w = w2 + bw + sw * normals[8 * LANES + j]
-        c, s, vl, vd, pl, pd = _step(c, s, vl, vd, pl, pd, f, l, w)
-        f = f3 + bf + sf * normals[9 * LANES + j]
-        l = l3 + bl + sl * normals[10 * LANES + j]  # noqa: E741
-        w = w3 + bw + sw * normals[11 * LANES + j]
-        c, s, vl, vd, pl, pd = _step(c, s, vl, vd, pl, pd, f, l, w)
-        state[_COS + j], state[_SIN + j] = c, s
-        state[_VL + j], state[_VD + j] = vl, vd
-        state[_PL + j], state[_PD + j] = pl, pd
+#: The fast paths: little turns and nothing but noise, and everything else.
+_advance_four_little = _make_advance_four(_step_little, with_offsets=False)
+_advance_four = _make_advance_four(_step, with_offsets=True)
 
 
 def _make_advance(rectangular, trapezoidal):
@@ -437,13 +338,6 @@ def _add_linear_of_two(i, row, normals, sensitivity, state):
 
 
 @scalar
-def _wrap(angle):
-    """Angle in (-pi, pi]."""
-    turns = math.ceil((angle - math.pi) / (2.0 * math.pi))
-    return angle - 2.0 * math.pi * turns
-
-
-@scalar
 def _record(state, sample, start, filled, interval, history):
     """States after ``sample``; the heading there is half a turn past its mid-interval value."""
     for j in range(filled):
@@ -456,31 +350,6 @@ def _record(state, sample, start, filled, interval, history):
 
 
 @scalar
-def _angles_from(direction, x_row, y_row, state, angle_row):
-    """Angles of the lanes' vectors from a direction, in (-pi, pi].
-
-    A first guess from the tangent is corrected by what a turn back by it leaves:
-    exact to rounding below 0.4 rad; the few lanes beyond use the arc tangent.
-    """
-    c0 = math.cos(direction)
-    s0 = math.sin(direction)
-    for j in range(LANES):
-        c = c0 * state[x_row + j] + s0 * state[y_row + j]
-        s = c0 * state[y_row + j] - s0 * state[x_row + j]
-        tangent = s / c
-        guess = tangent - tangent * tangent * tangent * (1 / 3)
-        c, s = turn(c, s, -guess)
-        rest = s / c
-        q = rest * rest
-        state[angle_row + j] = guess + (rest + rest * q * (-1 / 3 + q * (1 / 5)))
-    for j in range(LANES):
-        c = c0 * state[x_row + j] + s0 * state[y_row + j]
-        s = c0 * state[y_row + j] - s0 * state[x_row + j]
-        if not abs(s) < 0.4 * c:
-            state[angle_row + j] = math.atan2(s, c)
-
-
-@scalar
 def _finish(state, start, filled, interval, final, errors, linear):
     """Errors at the last sample; linear errors where they are wanted."""
     t2 = interval * interval
@@ -490,10 +359,10 @@ def _finish(state, start, filled, interval, final, errors, linear):
         errors[0, start + j] = along
         errors[1, start + j] = across
         errors[2, start + j] = math.sqrt(along * along + across * across)
-    _angles_from(final[2], _COS, _SIN, state, _COURSE)
+    angles_from(final[2], _COS, _SIN, state, _COURSE)
     for j in range(filled):
-        errors[3, start + j] = _wrap(state[_COURSE + j] + state[_HALF_TURN + j])
-    _angles_from(final[3], _VL, _VD, state, _COURSE)
+        errors[3, start + j] = wrap(state[_COURSE + j] + state[_HALF_TURN + j])
+    angles_from(final[3], _VL, _VD, state, _COURSE)
     for j in range(filled):
         errors[4, start + j] = state[_COURSE + j]
     if linear.shape[1] > 0:
@@ -583,16 +452,16 @@ def simulate(
         filled = min(LANES, count - start)
         block_first = first + uint64(start)
         if with_constants:
-            _draw_constants(key, block_first, constants)
+            draw_constants(key, block_first, constants)
         _start(constants, deviations, white, initial, signals, interval, state)
         if with_linear:
             _start_linear(constants, linear_constants, state)
-        _seed_lanes(key, block_first, WHITE_NOISE, random_state)
+        seed_lanes(key, block_first, WHITE_NOISE, random_state)
         if record:
             _record(state, 0, start, filled, interval, history)
         for i in range(1, n + 1, GROUP):
             size = min(GROUP, n + 1 - i)
-            _draw_group(random_state, normals)
+            draw_group(random_state, normals)
             if with_linear and size == GROUP:
                 _add_linear_of_two(i, 0, normals, sensitivity, state)
                 _add_linear_of_two(i + 2, 6 * LANES, normals, sensitivity, state)

@@ -57,7 +57,9 @@ def sample(signals: Signals, start: float, rate: float, count: int, method: str)
     if method == "average":
         return _average(signals, start, rate, count, max(factor, _FEWEST_AVERAGED))
     if method == "none" or factor == 1:
-        return signals(start + np.arange(count + 1) / rate, 0.0)
+        # What is filtered elsewhere keeps its integral across jumps here, too.
+        width = 0.0 if method == "none" else 1.0 / rate
+        return signals(start + np.arange(count + 1) / rate, width)
     if method == "fir":
         return _fir(signals, start, rate, count, factor)
     return _iir(signals, start, rate, count, factor)
