@@ -211,3 +211,21 @@ def test_titles_are_plain_text_and_fit():
     assert box.x1 <= figure.bbox.x1
     (legend,) = figure.legends
     assert legend.get_window_extent().x0 >= 0
+
+
+def test_long_legends_stand_beside_the_panels():
+    s = scenario(
+        {
+            "sweep": {
+                "trajectory.width": ["1 m", "2 m"],
+                "trajectory.speed": ["10 m/s", "12 m/s", "15 m/s", "20 m/s"],
+            },
+            "monte_carlo.realizations": 20,
+            "figure": {"panels": [{"errors": ["along", "across", "position"]}]},
+        }
+    )
+    figure = draw(mcsim.run(s))
+    figure.draw_without_rendering()
+    (legend,), (axes,) = figure.legends, panels(figure)
+    assert legend.get_window_extent().x0 > axes.get_window_extent().x1
+    assert axes.get_window_extent().height > 0.5 * figure.bbox.height

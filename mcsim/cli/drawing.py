@@ -18,6 +18,8 @@ class Drawing:
         if jobs > 1:
             # Fresh processes: those forked beside running threads may hang.
             self._pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+            for _ in range(jobs):
+                self._pool.submit(_get_ready)
         self._drawn: list[Future[None]] = []
 
     def __enter__(self) -> Drawing:
@@ -48,6 +50,11 @@ class Drawing:
             task(*arguments)
         else:
             self._drawn.append(self._pool.submit(task, *arguments))
+
+
+def _get_ready() -> None:
+    """Import what drawing needs while the first scenario still runs."""
+    from mcsim import figures, store  # noqa: F401
 
 
 def draw_one(folder: Path) -> None:

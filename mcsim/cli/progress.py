@@ -112,6 +112,8 @@ class Lines:
         self._name, self._points, self._total = scenario.name, scenario.n_points, realizations
         self._points_done, self._resumed, self._done = resumed, resumed, 0
         self._begun = self._last = time.monotonic()
+        # The pace is measured from the first progress on: compiling is no measure of it.
+        self._first: tuple[float, float] | None = None
         more = f", {resumed} of them done before" if resumed else ""
         wanted = f", {realizations:,} realizations" if realizations is not None else ""
         _say(f"{self._name}: {self._points} point{'s' * (self._points != 1)}{more}{wanted}")
@@ -120,9 +122,11 @@ class Lines:
         with self._lock:
             self._done += realizations
             now = time.monotonic()
+            if self._first is None:
+                self._first = now, self._share()
             if now - self._last >= _LINE_EVERY:
                 self._last = now
-                _say(self._state(now - self._begun))
+                _say(self._state())
 
     def point_done(self) -> None:
         with self._lock:
@@ -135,19 +139,22 @@ class Lines:
             f"{self._done:,} realizations in {elapsed:.1f} s"
         )
 
-    def _state(self, elapsed: float) -> str:
-        left = ""
-        # With a wanted precision the number of realizations is open: points are counted.
-        todo = self._points - self._resumed
-        share = (
-            self._done / self._total if self._total else (self._points_done - self._resumed) / todo
-        )
-        if share > 0.0:
-            left = f" ({share:.0%}), about {elapsed * (1.0 / share - 1.0):.0f} s left"
+    def _state(self) -> str:
+        now, share = time.monotonic(), self._share()
+        left = f" ({share:.0%})" if share > 0.0 else ""
+        if self._first is not None and share > self._first[1]:
+            pace = (now - self._first[0]) / (share - self._first[1])
+            left += f", about {pace * (1.0 - share):.0f} s left"
         return (
             f"{self._name}: {self._points_done}/{self._points} points, "
             f"{self._done:,} realizations{left}"
         )
+
+    def _share(self) -> float:
+        """Of the work to do; points are counted where a precision leaves realizations open."""
+        if self._total:
+            return self._done / self._total
+        return (self._points_done - self._resumed) / (self._points - self._resumed)
 
 
 def _say(line: str) -> None:

@@ -44,6 +44,8 @@ _RC: dict[Any, Any] = {
     "svg.hashsalt": "mcsim",
 }
 _DPI = 130
+#: Longer legends stand beside the figure.
+_MOST_LEGEND_ROWS = 4
 
 
 @contextmanager
@@ -108,19 +110,18 @@ def _power_of_ten(x: float) -> str:
     return "10" + exponent.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def legend_below(figure: Figure, axes: Axes, title: str | None = None) -> None:
-    """One legend for the whole figure, under it: it can cover no data."""
+def legend_outside(figure: Figure, axes: Axes, title: str | None = None) -> None:
+    """One legend for the whole figure, under it or beside it: it can cover no data."""
     handles, labels = axes.get_legend_handles_labels()
     if handles:
         # As many columns as fit: a sign is about 0.075 inch wide, a handle 0.55 inch.
         width = 0.075 * max(map(len, labels)) + 0.55
-        figure.legend(
-            handles,
-            labels,
-            title=title,
-            loc="outside lower center",
-            ncols=max(1, min(len(labels), 5, int(figure.get_figwidth() / width))),
-        )
+        columns = max(1, min(len(labels), 5, int(figure.get_figwidth() / width)))
+        where: Literal["outside lower center", "outside right upper"] = "outside lower center"
+        if len(labels) > _MOST_LEGEND_ROWS * columns:
+            where, columns = "outside right upper", 1
+            figure.set_figwidth(figure.get_figwidth() + width)
+        figure.legend(handles, labels, title=title, loc=where, ncols=columns)
 
 
 def set_title(figure: Figure, title: str) -> None:

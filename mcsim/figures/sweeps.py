@@ -15,7 +15,7 @@ from mcsim.figures.style import (
     MARKERS,
     curve_colour,
     house_style,
-    legend_below,
+    legend_outside,
     log_scale,
     set_title,
     spans_decades,
@@ -131,7 +131,7 @@ def _units_that_span_decades(columns: list[Column]) -> set[str]:
 def _place_legends(figure: Figure, grid: Any, families: set[tuple[Any, ...]]) -> None:
     """One legend below if all panels share their curves, else one beside each column or panel."""
     if len(families) == 1:
-        legend_below(figure, grid[0, 0], next(iter(families))[0])
+        legend_outside(figure, grid[0, 0], next(iter(families))[0])
         return
     if grid.shape[1] > 1:
         for axes in grid[-1, :]:
