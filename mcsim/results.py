@@ -33,6 +33,8 @@ HISTORY_REALIZATIONS = 4000
 #: Long drives have smaller ensembles, so that histories fit in memory (samples x realizations).
 _MOST_HISTORY_STATES, _FEWEST_HISTORY_REALIZATIONS = 3_000_000, 200
 _MOST_HISTORY_ROWS = 20_000_000
+#: Smaller shares of the variance are rounding.
+_LEAST_SHARE = 1e-20
 
 
 @dataclass(frozen=True)
@@ -163,7 +165,7 @@ def _budget(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
         total = np.sum(list(variances.values()), axis=0)
         for i, name in enumerate(UNITS):
             for source, variance in variances.items():
-                if variance[i] > 0.0:
+                if variance[i] > _LEAST_SHARE * total[i]:
                     std = float(in_table_unit(name, np.sqrt(variance[i])))
                     share = float(variance[i] / total[i])
                     rows.append((*point.values, name, source, std, share, UNITS[name]))
