@@ -2,13 +2,16 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
+import mcsim
 from mcsim.cli.main import exit_code
 from tests.conftest import BASE_YAML
 
@@ -335,3 +338,36 @@ def test_kernels_run_without_a_folder_for_compiled_code():
     )
     assert result.returncode == 0, result.stderr
     assert result.stdout.startswith("16.0 ['resampling_counts'")
+
+
+def test_cached_kernels_notice_changes_of_what_they_inline(tmp_path):
+    """A kernel of bootstrap.py is compiled anew after an edit of random.py, and only then."""
+    package = tmp_path / "mcsim"
+    shutil.copytree(
+        Path(mcsim.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__")
+    )
+    code = (
+        "import numpy as np, mcsim.kernels.bootstrap as b; c = np.empty((9, 9), np.float32);"
+        "b.resampling_counts(np.uint64(1), c);"
+        "print(c.tobytes().hex(), sum(b.resampling_counts.stats.cache_hits.values()))"
+    )
+
+    def counts() -> list[str]:
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+        result = subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            check=True,
+            cwd=tmp_path,
+            env=environment,
+        )
+        return result.stdout.split()
+
+    first, again = counts(), counts()
+    assert (first[1], again[1]) == ("0", "1")
+    source = package / "kernels" / "random.py"
+    source.write_text(source.read_text().replace("_rotate_left(s3, 11)", "_rotate_left(s3, 12)"))
+    changed = counts()
+    assert changed[1] == "0"
+    assert changed[0] != first[0] == again[0]

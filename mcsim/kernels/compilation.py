@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar
 
 from llvmlite import binding as llvm
@@ -14,6 +18,26 @@ unkept: list[str] = []
 
 config: Any = _numba_config
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+@cache
+def _source_digest() -> str:
+    """Digest of all kernel sources: what any of them is compiled from."""
+    digest = hashlib.blake2b(digest_size=16)
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def _stamp(compiled: Any) -> None:
+    """Make a cached kernel stale when any kernel source changes.
+
+    Numba looks at the kernel's own file only, and would go on using a kernel whose
+    inlined functions have changed in another one.
+    """
+    # Not a public part of numba: where it is missing, numba's own stamp serves.
+    with suppress(AttributeError):
+        compiled._cache._cache_file._source_stamp = _source_digest()
 
 
 def _use_full_vectors() -> None:
@@ -49,6 +73,7 @@ def kernel(function: _Function) -> _Function:
     compiled: _Function
     try:
         compiled = njit(nogil=True, cache=True, **_ARITHMETIC)(function)
+        _stamp(compiled)
     except RuntimeError:
         # Neither the package's folder nor the user's can be written.
         unkept.append(function.__name__)
