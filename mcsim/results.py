@@ -164,6 +164,8 @@ def _budget(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
         variances = sweep.points[point.index].variances
         total = np.sum(list(variances.values()), axis=0)
         for i, name in enumerate(UNITS):
+            if np.isnan(sweep.points[point.index].method[i]):
+                continue  # an undefined error has no sources
             for source, variance in variances.items():
                 if variance[i] > _LEAST_SHARE * total[i]:
                     std = float(in_table_unit(name, np.sqrt(variance[i])))

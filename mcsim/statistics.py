@@ -88,6 +88,7 @@ class Collector:
         self.sizes[-1] = count - (cells - 1) * self.cell
         self._kept = np.empty((n_errors, min(count, KEPT)))
         self._extremes = [np.full(n_errors, np.inf), np.full(n_errors, -np.inf)]
+        self._ordered: dict[int, Array] = {}
         self._lock = threading.Lock()
         self._brackets: list[list[_Bracket]] | None = None
 
@@ -116,6 +117,11 @@ class Collector:
                 bracket.add(row)
 
     @property
+    def smallest(self) -> Array:
+        """The smallest realization of each error (e,)."""
+        return self._extremes[0]
+
+    @property
     def degenerate(self) -> NDArray[np.bool_]:
         """Errors (e,) whose realizations are all equal."""
         return self._extremes[0] == self._extremes[1]
@@ -131,9 +137,10 @@ class Collector:
             return [float(ordered[rank - 1]) for rank in ranks]
         return self._brackets[error][percentile].order_statistics(ranks)
 
-    @lru_cache(maxsize=8)  # noqa: B019 - lives as long as the collector is used
     def _sorted(self, error: int) -> Array:
-        return np.sort(self._kept[error])
+        if error not in self._ordered:
+            self._ordered[error] = np.sort(self._kept[error])
+        return self._ordered[error]
 
 
 class _Bracket:
@@ -195,7 +202,7 @@ def estimate(collector: Collector, sigmas: float, resamples: int, key: int) -> E
         for row in map(int, rows):
             value[row, 3:], low[row, 3:], high[row, 3:] = _quantiles(collector, row, sigmas)
     for row in map(int, np.flatnonzero(degenerate)):
-        same = float(collector._extremes[0][row])
+        same = float(collector.smallest[row])
         value[row] = low[row] = high[row] = [same, 0.0, abs(same), same, same]
     if collector.count == 1:
         low[:], high[:] = np.nan, np.nan

@@ -322,3 +322,14 @@ def test_linear_answers_have_the_tables_shape_and_flag_contradictions():
     )
     assert any("across: Monte Carlo contradicts the linear model" in r for r in hard.remarks)
     assert not any(r.startswith("heading") for r in hard.remarks)
+
+
+def test_an_undefined_error_has_no_budget():
+    s = scenario(
+        {
+            "trajectory.speed": "10 m/s",
+            "trajectory.deceleration": "2 m/s^2",
+            "monte_carlo.realizations": 200,
+        }
+    )
+    assert set(mcsim.run(s).budget["error"]) == set(UNITS) - {"course"}

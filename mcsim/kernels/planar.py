@@ -54,9 +54,6 @@ Array = NDArray[np.float64]
 ERRORS = 5
 #: Rows of the linear errors: along, across, course, heading.
 LINEAR_ERRORS = 4
-#: Weights of a sample's three channels: nine for the first three of them, one (of the
-#: turn) for the heading.
-LINEAR_WEIGHTS = 10
 # Constants of a realization (see ``lanes``): three miscalibrations, initial speed,
 # direction, heading and course errors, one spare, then the noise of sample 0, which the
 # trapezoidal rule uses.
@@ -419,7 +416,7 @@ def simulate(
         samples, 0 for samples that are already means over the interval.
     largest_turn : float
         A bound of the turn per sample (rad); it decides how headings are turned.
-    sensitivity : float64 (n + 1, LINEAR_WEIGHTS)
+    sensitivity : float64 (n + 1, 10)
         Linear errors per unit normal of each channel and sample: along, across and course
         from each channel, heading from the turn.
     linear_constants : float64 (4, 12)

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
+from pydantic import BaseModel
+
 from mcsim import catalogue
 from mcsim.scenario.model import PlanarScenario, Range
-from mcsim.scenario.validation import adapter_schema
 
 SCHEMA_DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
 def scenario_schema() -> dict[str, Any]:
     """The schema that ``mcsim schema`` prints; emitted from the models."""
-    schema = adapter_schema(PlanarScenario)
+    schema = _schema_of(PlanarScenario)
     definitions = schema.pop("$defs")
-    definitions["Range"] = adapter_schema(Range)
+    definitions["Range"] = _schema_of(Range)
     schema["properties"]["sweep"] = {
         "type": "object",
         "description": "Values of any scalar, by its dotted path: a list, or a range.",
@@ -47,6 +48,11 @@ def scenario_schema() -> dict[str, Any]:
         **{key: value for key, value in schema.items() if key != "title"},
         "definitions": _without_discriminators(definitions),
     }
+
+
+def _schema_of(model: type[BaseModel]) -> dict[str, Any]:
+    """Pydantic's schema of a model, with references as draft 7 writes them."""
+    return model.model_json_schema(by_alias=True, ref_template="#/definitions/{model}")
 
 
 def _without_discriminators(node: Any) -> Any:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from mcsim.errors import InputError
@@ -118,7 +118,6 @@ def _show(value: Any) -> str:
 
 def _field(loc: tuple[str | int, ...], model: Any) -> Any:
     """The annotation metadata at a pydantic location, or None."""
-    from typing import Annotated, get_args, get_origin
 
     def models(annotation: Any) -> list[type[BaseModel]]:
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
@@ -157,8 +156,6 @@ def _siblings(loc: tuple[str | int, ...], model: type[BaseModel]) -> list[str]:
 
 
 def _quantity(found: Any) -> Quantity | None:
-    from typing import Annotated, get_args, get_origin
-
     if found is None:
         return None
     candidates = list(found.metadata)
@@ -184,10 +181,3 @@ def _bound(details: ErrorDetails, bound: Any, model: type[BaseModel]) -> str:
     if quantity is None or quantity.kind == "confidence":
         return f"{bound:g}" if isinstance(bound, float) else str(bound)
     return f"{bound:g} {quantity.details.si_unit}"
-
-
-def adapter_schema(model: Any) -> dict[str, Any]:
-    """Pydantic's JSON schema with references as draft 7 writes them."""
-    return TypeAdapter(model).json_schema(
-        mode="validation", by_alias=True, ref_template="#/definitions/{model}"
-    )
