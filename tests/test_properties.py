@@ -11,7 +11,7 @@ from mcsim import InputError, Scenario
 from mcsim.cases import problem_of
 from tests.conftest import BASE_YAML, scenario
 
-CALM = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+CALM = settings(max_examples=40, suppress_health_check=list(HealthCheck))
 
 
 def amount(low, high):
@@ -129,7 +129,7 @@ def test_random_text_is_refused_with_a_message(text):
 lines = BASE_YAML.splitlines()
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     line=st.integers(0, len(lines) - 1),
     start=st.integers(0, 60),

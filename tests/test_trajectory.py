@@ -140,6 +140,14 @@ def test_clothoid_is_a_fresnel_integral():
     assert end.course[0] == pytest.approx(2.0, abs=1e-14)
 
 
+@pytest.mark.parametrize("clothoid", [5e-324, 1e-300, 1e-12])
+def test_a_vanishing_clothoid_leaves_the_arc(clothoid):
+    curve, arc = (ClothoidCurve(10.0, 0.7, c) for c in (clothoid, 0.0))
+    s = np.linspace(0.1, 6.9, 30)
+    for ours, without in zip(vars(curve.at(s)).values(), vars(arc.at(s)).values(), strict=True):
+        np.testing.assert_allclose(ours, without, atol=1e-10)
+
+
 def test_circle_without_clothoids_closes():
     curve = ClothoidCurve(10.0, 2 * math.pi, 0.0)
     end = curve.at(np.array([curve.length]))

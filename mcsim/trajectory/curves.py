@@ -135,7 +135,8 @@ class ClothoidCurve:
         if self._clothoid == 0.0:
             return np.full_like(s, self._peak)
         from_end = np.minimum(s, self.length - s)
-        return self._peak * np.clip(from_end / self._clothoid, 0.0, 1.0)
+        # Clipped first: dividing by a vanishing clothoid would overflow.
+        return self._peak * (np.clip(from_end, 0.0, self._clothoid) / self._clothoid)
 
     def _course(self, s: Array) -> Array:
         if self._clothoid == 0.0:
