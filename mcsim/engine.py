@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from mcsim.cases import Problem
 from mcsim.cases.lengths import length_quantile
-from mcsim.scenario.model import MonteCarlo
-from mcsim.statistics import ESTIMATED, KEPT, PERCENTILES, Collector, Estimates, Reference, estimate
+from mcsim.scenario.run import MonteCarlo
+from mcsim.statistics import KEPT, MOMENTS, Collector, Estimates, Reference, estimate
 
 Array = NDArray[np.float64]
 
@@ -26,14 +26,14 @@ _FIRST_COUNT = 1000
 #: The run that a linear answer is held against, and by how much it may miss it.
 _CHECK = {"estimator": "control_variate", "realizations": 1000, "precision": None}
 CONTRADICTION = 0.01
-_RMS = ESTIMATED.index("rms")
+_RMS = MOMENTS.index("rms")
 
 
 @dataclass(frozen=True)
 class PointResult:
     """Estimates of one point, its method errors (e,), and remarks per error.
 
-    Everything in SI units; ``notes`` maps an error's name to why a value is missing
+    Everything in SI units; ``notes`` maps an error's label to why a value is missing
     or degenerate, ``variances`` a source of disturbance to its share (e,) of the linear
     model's variance.
     """
@@ -114,13 +114,15 @@ def linear_estimates(problem: Problem) -> Estimates:
     from scipy.special import ndtri
 
     linear, method = problem.linear, problem.method_errors()
+    percentiles = problem.percentiles
     std = np.sqrt(np.maximum(linear.second_moment - linear.mean**2, 0.0))
     mean = method + linear.mean
     value = np.stack(
-        [mean, std, np.hypot(mean, std), *(mean + std * ndtri(p) for p in PERCENTILES)], axis=1
+        [mean, std, np.hypot(mean, std), *(mean + std * ndtri(p) for p in percentiles)], axis=1
     )
-    position = problem.error_names.index("position")
-    value[position, 3:] = [length_quantile(linear.centre, linear.plane, p) for p in PERCENTILES]
+    if "position" in problem.error_names:
+        position = problem.error_names.index("position")
+        value[position, 3:] = [length_quantile(linear.centre, linear.plane, p) for p in percentiles]
     value[np.isnan(method)] = np.nan
     return Estimates(value, value.copy(), value.copy(), np.zeros(len(method), bool))
 
@@ -129,9 +131,9 @@ def _reference(problem: Problem, settings: MonteCarlo, count: int) -> Reference:
     """What the estimator may use: the method errors, and the linear model's moments."""
     method = problem.method_errors()
     if settings.estimator == "plain" or count < FEWEST_CONTROLLED:
-        return Reference(method)
+        return Reference(method, percentiles=problem.percentiles)
     linear = problem.linear
-    return Reference(method, linear.mean, linear.second_moment)
+    return Reference(method, linear.mean, linear.second_moment, problem.percentiles)
 
 
 def _fill(

@@ -14,8 +14,8 @@ import numpy as np
 from mcsim.cases import problem_of
 from mcsim.engine import PointResult, point_key
 from mcsim.errors import InputError
-from mcsim.scenario import STATISTICS, Point, Scenario
-from mcsim.statistics import ESTIMATED
+from mcsim.scenario import UNITS, CaseScenario, ErrorRow, Point, Scenario
+from mcsim.statistics import statistic_names
 from mcsim.sweep import SweepResult, check_points, describe_point
 from mcsim.units import degrees
 from mcsim.version import __version__
@@ -25,8 +25,10 @@ if TYPE_CHECKING:
 
 #: Columns of the table after those of the swept paths.
 COLUMNS = ("error", "statistic", "value", "ci_low", "ci_high", "unit", "realizations", "note")
-#: Unit of each error in tables and figures.
-UNITS = {"along": "m", "across": "m", "position": "m", "heading": "deg", "course": "deg"}
+#: The column of the instant, in cases that report errors at several.
+TIME = "time [s]"
+#: What rows hold besides estimates: the error of the undisturbed reconstruction.
+METHOD = "method"
 HISTORY_STATISTICS = ("mean", "std", "rms", "p05", "p50", "p95")
 #: Realizations that histories are estimated from, at most.
 HISTORY_REALIZATIONS = 4000
@@ -85,7 +87,9 @@ def check(scenario: Scenario) -> None:
     """
     counts = check_points(scenario)
     outputs = scenario.base.outputs
-    per_sample = outputs.tracks + outputs.history * len(UNITS) * len(HISTORY_STATISTICS)
+    per_sample = outputs.tracks + outputs.history * len(scenario.base.ERRORS) * len(
+        HISTORY_STATISTICS
+    )
     rows = per_sample * sum(count + 1 for count in counts)
     if rows > _MOST_HISTORY_ROWS:
         raise InputError(
@@ -111,7 +115,17 @@ def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
 
 def in_table_unit(name: str, value: Any) -> Any:
     """An SI error in the unit of tables."""
-    return degrees(value) if UNITS[name] == "deg" else value
+    return in_unit_of_tables(UNITS[name], value)
+
+
+def in_unit_of_tables(unit: str, value: Any) -> Any:
+    """An SI value in one of the units of tables."""
+    return degrees(value) if unit == "deg" else value
+
+
+def at_the_end(table: pd.DataFrame) -> pd.DataFrame:
+    """The rows of the last instant, in tables that hold several."""
+    return table[table[TIME] == table[TIME].max()] if TIME in table else table
 
 
 def _table(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
@@ -123,33 +137,43 @@ def _table(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
         if point.index in sweep.points
         for row in _point_rows(point, sweep.points[point.index])
     ]
-    columns = [*(axis.column for axis in scenario.axes), *COLUMNS]
+    columns = [*_coordinate_columns(scenario), *COLUMNS]
     return pd.DataFrame(rows, columns=columns)
+
+
+def statistics_of(model: CaseScenario) -> tuple[str, ...]:
+    """The statistics of every error in a case's table, in order."""
+    return (*statistic_names(model.PERCENTILES), METHOD)
+
+
+def _coordinate_columns(scenario: Scenario) -> list[str]:
+    """What tells the rows of one error apart: swept values, and the instant if there are some."""
+    timed = any(row.time is not None for row in scenario.base.error_rows)
+    return [*(axis.column for axis in scenario.axes), *([TIME] if timed else [])]
+
+
+def _coordinates(point: Point, row: ErrorRow) -> tuple[Any, ...]:
+    return point.values if row.time is None else (*point.values, row.time)
 
 
 def _point_rows(point: Point, result: PointResult) -> Iterator[tuple[Any, ...]]:
     estimates = result.estimates
-    for i, name in enumerate(UNITS):
+    for i, row in enumerate(point.model.error_rows):
         missing = bool(np.isnan(result.method[i]))
-        note = result.notes.get(name, "")
-        for statistic in STATISTICS:
-            if statistic == "method":
+        note = result.notes.get(row.label, "")
+        for j, statistic in enumerate(statistics_of(point.model)):
+            if statistic == METHOD:
                 numbers = [result.method[i]] * 3
             else:
-                j = ESTIMATED.index(statistic)
-                numbers = [
-                    estimates.value[i, j],
-                    estimates.low[i, j],
-                    estimates.high[i, j],
-                ]
+                numbers = [estimates.value[i, j], estimates.low[i, j], estimates.high[i, j]]
             yield (
-                *point.values,
-                name,
+                *_coordinates(point, row),
+                row.name,
                 statistic,
-                *(float(in_table_unit(name, number)) for number in numbers),
-                UNITS[name],
+                *(float(in_table_unit(row.name, number)) for number in numbers),
+                row.unit,
                 result.realizations,
-                note if missing or statistic != "method" else "",
+                note if missing or statistic != METHOD else "",
             )
 
 
@@ -163,15 +187,15 @@ def _budget(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
             continue
         variances = sweep.points[point.index].variances
         total = np.sum(list(variances.values()), axis=0)
-        for i, name in enumerate(UNITS):
+        for i, row in enumerate(point.model.error_rows):
             if np.isnan(sweep.points[point.index].method[i]):
                 continue  # an undefined error has no sources
             for source, variance in variances.items():
                 if variance[i] > _LEAST_SHARE * total[i]:
-                    std = float(in_table_unit(name, np.sqrt(variance[i])))
+                    std = float(in_table_unit(row.name, np.sqrt(variance[i])))
                     share = float(variance[i] / total[i])
-                    rows.append((*point.values, name, source, std, share, UNITS[name]))
-    columns = [axis.column for axis in scenario.axes]
+                    rows.append((*_coordinates(point, row), row.name, source, std, share, row.unit))
+    columns = _coordinate_columns(scenario)
     return pd.DataFrame(rows, columns=[*columns, "error", "source", "std", "share", "unit"])
 
 
@@ -200,7 +224,9 @@ def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | 
             axis.column: value for axis, value in zip(scenario.axes, point.values, strict=True)
         }
         if outputs.history:
-            histories.append(_history_frame(coordinates, history.time, history.errors[..., :count]))
+            names = point.model.ERRORS
+            errors = history.errors[..., :count]
+            histories.append(_history_frame(coordinates, history.time, names, errors))
         if outputs.tracks:
             tracks.append(_tracks_frame(coordinates, history, n_tracks))
     return (
@@ -209,7 +235,9 @@ def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | 
     )
 
 
-def _history_frame(coordinates: dict[str, Any], time: Any, errors: Any) -> pd.DataFrame:
+def _history_frame(
+    coordinates: dict[str, Any], time: Any, names: tuple[str, ...], errors: Any
+) -> pd.DataFrame:
     import pandas as pd
 
     count = errors.shape[-1]
@@ -228,7 +256,7 @@ def _history_frame(coordinates: dict[str, Any], time: Any, errors: Any) -> pd.Da
             pd.DataFrame(
                 {
                     **coordinates,
-                    "time [s]": time,
+                    TIME: time,
                     "error": name,
                     "statistic": statistic,
                     "value": in_table_unit(name, values[statistic][i]),
@@ -236,7 +264,7 @@ def _history_frame(coordinates: dict[str, Any], time: Any, errors: Any) -> pd.Da
                     "realizations": count,
                 }
             )
-            for i, name in enumerate(UNITS)
+            for i, name in enumerate(names)
             for statistic in HISTORY_STATISTICS
         ],
         ignore_index=True,
@@ -252,7 +280,7 @@ def _tracks_frame(coordinates: dict[str, Any], history: Any, count: int) -> pd.D
             {
                 **coordinates,
                 "realization": number,
-                "time [s]": history.time,
+                TIME: history.time,
                 "along [m]": track[0],
                 "across [m]": track[1],
             }

@@ -29,8 +29,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Statistics estimated from realizations, in the order of every table.
-ESTIMATED = ("mean", "std", "rms", "p50", "p95")
+#: Statistics estimated from realizations, in the order of every table; percentiles follow.
+MOMENTS = ("mean", "std", "rms")
+#: Percentiles that are estimated where a case does not ask for others.
 PERCENTILES = (0.50, 0.95)
 #: Most items that are resampled; cells grow by powers of two beyond.
 MOST_ITEMS = 2048
@@ -45,17 +46,26 @@ class Reference:
     """What is known beforehand: per error (e,), SI units.
 
     ``centre`` is taken off the errors (the method errors); ``mean`` and
-    ``second_moment`` are the controls' expectations, absent without controls.
+    ``second_moment`` are the controls' expectations, absent without controls;
+    ``percentiles`` are those to be estimated.
     """
 
     centre: Array
     mean: Array | None = None
     second_moment: Array | None = None
+    percentiles: tuple[float, ...] = PERCENTILES
+
+
+def statistic_names(percentiles: tuple[float, ...]) -> tuple[str, ...]:
+    """Names of the estimated statistics, in the order of every table: ``mean`` … ``p95``."""
+    return (*MOMENTS, *(f"p{100.0 * p:g}" for p in percentiles))
 
 
 @dataclass(frozen=True)
 class Estimates:
-    """Values and interval ends, (e, len(ESTIMATED)) each, in the errors' SI units.
+    """Values and interval ends, (e, statistics) each, in the errors' SI units.
+
+    The statistics are those of ``statistic_names``.
 
     ``degenerate`` (e,) marks errors that do not scatter at all.
     """
@@ -111,7 +121,8 @@ class Collector:
             errors = errors[:, kept:]
         with self._lock:
             if self._brackets is None:
-                self._brackets = [[_Bracket(row, p) for p in PERCENTILES] for row in self._kept]
+                percentiles = self.reference.percentiles
+                self._brackets = [[_Bracket(row, p) for p in percentiles] for row in self._kept]
         for row, brackets in zip(errors, self._brackets, strict=True):
             for bracket in brackets:
                 bracket.add(row)
@@ -190,7 +201,8 @@ def estimate(collector: Collector, sigmas: float, resamples: int, key: int) -> E
     no interval follows: its ends are NaN.  Undefined errors (NaN) stay undefined.
     """
     n_errors = len(collector.reference.centre)
-    value = np.full((n_errors, len(ESTIMATED)), np.nan)
+    percentiles = collector.reference.percentiles
+    value = np.full((n_errors, len(MOMENTS) + len(percentiles)), np.nan)
     low, high = value.copy(), value.copy()
     defined = np.isfinite(collector.sums[0]).all(axis=1)
     degenerate = defined & collector.degenerate
@@ -203,7 +215,7 @@ def estimate(collector: Collector, sigmas: float, resamples: int, key: int) -> E
             value[row, 3:], low[row, 3:], high[row, 3:] = _quantiles(collector, row, sigmas)
     for row in map(int, np.flatnonzero(degenerate)):
         same = float(collector.smallest[row])
-        value[row] = low[row] = high[row] = [same, 0.0, abs(same), same, same]
+        value[row] = low[row] = high[row] = [same, 0.0, abs(same), *(same for _ in percentiles)]
     if collector.count == 1:
         low[:], high[:] = np.nan, np.nan
     return Estimates(value, low, high, degenerate)
@@ -357,7 +369,7 @@ def _quantiles(collector: Collector, error: int, sigmas: float) -> tuple[Array, 
     """
     n = collector.count
     values, lows, highs = [], [], []
-    for i, p in enumerate(PERCENTILES):
+    for i, p in enumerate(collector.reference.percentiles):
         position = p * (n - 1)
         rank = int(position)
         first, last = _bounding_ranks(n, p, sigmas)

@@ -183,8 +183,7 @@ class Checkpoint:
         """The checkpoint of a scenario whose results go to ``folder``."""
         digest = hashlib.blake2b(digest_size=16)
         digest.update(f"{__version__}\n{json.dumps(scenario.document.tree)}".encode())
-        recorded = {getattr(point.model.trajectory, "file", None) for point in scenario.points}
-        for name in sorted(filter(None, recorded)):
+        for name in sorted({name for point in scenario.points for name in point.model.files}):
             digest.update((scenario.folder / name).read_bytes())
         return cls(folder / f"{CHECKPOINT}{digest.hexdigest()}.jsonl")
 

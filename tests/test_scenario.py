@@ -71,7 +71,7 @@ BAD = [
     (
         "initial:",
         "figure: {panels: [{errors: [along, heading]}]}\ninitial:",
-        "positions and angles cannot share a panel",
+        "errors of different units cannot share a panel",
     ),
     (
         "initial:",

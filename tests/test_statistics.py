@@ -7,7 +7,6 @@ import pytest
 from scipy import stats
 
 from mcsim.statistics import (
-    ESTIMATED,
     KEPT,
     MOST_ITEMS,
     Collector,
@@ -76,7 +75,7 @@ def coverage(n: int, sigmas: float, trials: int, shrink: float = 1.0) -> np.ndar
     """How often the intervals hold the truth; normal errors with mean 1 and deviation 2."""
     truth = [1.0, 2.0, math.sqrt(5.0), 1.0, 1.0 + 2.0 * stats.norm.ppf(0.95)]
     rng = np.random.default_rng(2)
-    hits = np.zeros(len(ESTIMATED))
+    hits = np.zeros(len(truth))
     for _ in range(trials // 50):
         e = estimate_errors(1.0 + 2.0 * rng.standard_normal((50, n)), sigmas, 500, 3)
         low = e.value - shrink * (e.value - e.low)

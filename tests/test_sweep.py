@@ -9,11 +9,14 @@ import pytest
 
 import mcsim
 from mcsim import InputError, Scenario
-from mcsim.results import COLUMNS, UNITS
-from mcsim.scenario import STATISTICS
+from mcsim.results import COLUMNS
+from mcsim.scenario import PlanarScenario
 from mcsim.store import Checkpoint, load_results
 from mcsim.sweep import run_sweep
 from tests.conftest import ALL_ERRORS, BASE_YAML, NO_NOISE, scenario
+
+ERRORS = PlanarScenario.ERRORS
+STATISTICS = len(PlanarScenario.PERCENTILES) + 4
 
 
 def files_of(folder):
@@ -24,7 +27,7 @@ def test_table_is_tidy_and_complete(tmp_path):
     s = Scenario.from_yaml(BASE_YAML)
     results = mcsim.run(s, output=tmp_path)
     table = results.table
-    assert len(table) == 4 * len(UNITS) * len(STATISTICS)
+    assert len(table) == 4 * len(ERRORS) * STATISTICS
     assert list(table.columns[2:]) == list(COLUMNS)
     assert table.columns[0] == "sensors.accelerometer.noise_density [m/s^2/√Hz]"
     assert set(table["unit"]) == {"m", "deg"}
@@ -139,7 +142,7 @@ def test_history_ends_in_the_table():
     for statistic in ("mean", "std", "rms"):
         a = end[end["statistic"] == statistic].set_index("error")["value"]
         b = results.table[results.table["statistic"] == statistic].set_index("error")["value"]
-        np.testing.assert_allclose(a[list(UNITS)], b[list(UNITS)], rtol=1e-9)
+        np.testing.assert_allclose(a[list(ERRORS)], b[list(ERRORS)], rtol=1e-9)
 
 
 class Stopped(Exception):
@@ -208,7 +211,7 @@ def test_a_failing_point_leaves_the_others(monkeypatch):
     results = mcsim.run(Scenario.from_yaml(BASE_YAML))
     assert len(results.failures) == 2
     assert "no room" in results.failures[0]
-    assert len(results.table) == 2 * len(UNITS) * len(STATISTICS)
+    assert len(results.table) == 2 * len(ERRORS) * STATISTICS
 
 
 def test_points_that_cannot_run_are_refused_before_anything_runs(tmp_path):
@@ -313,7 +316,7 @@ def test_linear_answers_have_the_tables_shape_and_flag_contradictions():
     assert list(easy.table.columns) == list(exact.table.columns)
     a = easy.table.set_index(["error", "statistic"])["value"]
     b = exact.table.set_index(["error", "statistic"])["value"]
-    for name in UNITS:
+    for name in ERRORS:
         for statistic in ("std", "rms", "p95"):
             assert a[name, statistic] == pytest.approx(b[name, statistic], rel=0.01)
     assert not easy.remarks
@@ -332,4 +335,4 @@ def test_an_undefined_error_has_no_budget():
             "monte_carlo.realizations": 200,
         }
     )
-    assert set(mcsim.run(s).budget["error"]) == set(UNITS) - {"course"}
+    assert set(mcsim.run(s).budget["error"]) == set(ERRORS) - {"course"}

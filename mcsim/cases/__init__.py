@@ -8,12 +8,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from mcsim.cases.problem import History, Problem
-from mcsim.scenario import PlanarScenario
+from mcsim.errors import McsimError
+from mcsim.scenario import CaseScenario, PlanarScenario
 
 __all__ = ["History", "Problem", "check_point", "problem_of"]
 
 
-def problem_of(model: PlanarScenario, folder: Path) -> Problem:
+def problem_of(model: CaseScenario, folder: Path) -> Problem:
     """The problem of a validated point; relative files are looked up in ``folder``.
 
     Raises
@@ -21,12 +22,14 @@ def problem_of(model: PlanarScenario, folder: Path) -> Problem:
     InputError
         The track cannot be built, or is shorter than one sampling interval.
     """
-    from mcsim.cases.planar import PlanarProblem
+    if isinstance(model, PlanarScenario):
+        from mcsim.cases.planar import PlanarProblem
 
-    return PlanarProblem.from_model(model, folder)
+        return PlanarProblem.from_model(model, folder)
+    raise _unknown(model)
 
 
-def check_point(model: PlanarScenario, folder: Path) -> int:
+def check_point(model: CaseScenario, folder: Path) -> int:
     """Samples per realization; refuses a point that cannot run, without preparing it.
 
     Raises
@@ -34,7 +37,13 @@ def check_point(model: PlanarScenario, folder: Path) -> int:
     InputError
         See ``problem_of``.
     """
-    from mcsim.cases.planar import sample_count
-    from mcsim.trajectory import drive_of
+    if isinstance(model, PlanarScenario):
+        from mcsim.cases.planar import sample_count
+        from mcsim.trajectory import drive_of
 
-    return sample_count(drive_of(model.trajectory, folder), model.sensors.rate)
+        return sample_count(drive_of(model.trajectory, folder), model.sensors.rate)
+    raise _unknown(model)
+
+
+def _unknown(model: CaseScenario) -> McsimError:
+    return McsimError(f"no engine for the case {model.case}")

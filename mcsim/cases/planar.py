@@ -21,7 +21,7 @@ from mcsim.cases.planar_linear import (
 )
 from mcsim.cases.problem import Array, History, LinearModel, Sample
 from mcsim.errors import InputError
-from mcsim.scenario import ERROR_NAMES, PlanarScenario
+from mcsim.scenario import PlanarScenario
 from mcsim.sensors.error_model import channel_errors
 from mcsim.sensors.sampling import oversampling, sample
 from mcsim.trajectory import Drive, Motion, drive_of
@@ -48,7 +48,8 @@ class PlanarProblem:
     trapezoidal: bool
     previous_share: float
     missing: Mapping[str, str]
-    error_names: tuple[str, ...] = ERROR_NAMES
+    error_names: tuple[str, ...] = PlanarScenario.ERRORS
+    percentiles: tuple[float, ...] = PlanarScenario.PERCENTILES
 
     @classmethod
     def from_model(cls, model: PlanarScenario, folder: Path) -> PlanarProblem:

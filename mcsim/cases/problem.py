@@ -60,7 +60,11 @@ class Problem(Protocol):
 
     @property
     def error_names(self) -> tuple[str, ...]:
-        """Names of the errors, in the order of every array."""
+        """Labels of the errors, in the order of every array."""
+
+    @property
+    def percentiles(self) -> tuple[float, ...]:
+        """The percentiles that are estimated of every error."""
 
     @property
     def missing(self) -> Mapping[str, str]:

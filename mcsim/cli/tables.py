@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from mcsim import catalogue
-from mcsim.results import UNITS, Results
+from mcsim.results import Results, at_the_end
+from mcsim.scenario import UNITS
 
 _SUMMARY = ("mean", "std", "rms", "p95", "method")
 _QUANTITIES = {"range": "range", "noise_density": "noise density", "rate": "largest rate"}
@@ -13,7 +14,7 @@ _QUANTITIES = {"range": "range", "noise_density": "noise density", "rate": "larg
 
 def summary(results: Results) -> str:
     """Estimates of a single run, one line per error, intervals in brackets."""
-    table = results.table
+    table = at_the_end(results.table)
     rows = [["error", "unit", *_SUMMARY]]
     for name, estimates in table.groupby("error", sort=False):
         by_statistic = estimates.set_index("statistic")
@@ -31,7 +32,8 @@ def _budget_lines(results: Results) -> list[str]:
     budget = results.budget
     if budget is None or not len(budget):
         return ["nothing disturbs this run"]
-    errors = [name for name in UNITS if (budget["error"] == name).any()]
+    budget = at_the_end(budget)
+    errors = list(budget["error"].unique())
     rows = [["source", *(f"{name} [{UNITS[name]}]" for name in errors)]]
     for source in budget["source"].unique():
         by_error = budget[budget["source"] == source].set_index("error")

@@ -14,18 +14,26 @@ _WORDS = {
 _ERRORS = {
     "along": "along-road error",
     "across": "across-road error",
+    "height": "height error",
     "position": "position error",
+    "roll": "roll error",
+    "pitch": "pitch error",
     "heading": "heading error",
     "course": "course error",
+    "velocity": "velocity error",
+    "mean_velocity": "error of the mean velocity",
+    "repeatability": "scatter of the runs",
 }
 STATISTICS = {
     "mean": "mean",
     "std": "standard deviation",
     "rms": "RMS",
+    "p2.5": "2.5th percentile",
     "p50": "median",
     "p95": "95th percentile",
+    "p97.5": "97.5th percentile",
 }
-SIGN_OF_UNIT = {"deg": "°", "m": "m"}
+SIGN_OF_UNIT = {"deg": "°", "m": "m", "m/s": "m/s"}
 
 
 def path_words(path: str) -> str:

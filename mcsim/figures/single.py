@@ -7,20 +7,25 @@ from matplotlib.figure import Figure
 
 from mcsim.figures import labels
 from mcsim.figures.style import curve_colour, house_style
-from mcsim.results import UNITS, Results
+from mcsim.results import Results, at_the_end
+from mcsim.scenario import UNITS
 
 _SHOWN = ("mean", "std", "rms", "p95", "method")
 _NAMES = {**labels.STATISTICS, "method": "method error (no sensor error)"}
 
 
 def draw_single(results: Results) -> Figure:
-    """Mean, deviation, RMS and 95th percentile of each error; positions left, angles right."""
-    groups = [[name for name in UNITS if UNITS[name] == unit] for unit in ("m", "deg")]
+    """Mean, deviation, RMS and 95th percentile of each error; a panel for each unit."""
+    errors = results.scenario.base.ERRORS
+    units = dict.fromkeys(UNITS[name] for name in errors)
+    groups = [[name for name in errors if UNITS[name] == unit] for unit in units]
+    table = at_the_end(results.table)
     with house_style():
         figure = Figure(figsize=(9.2, 3.6), layout="constrained")
-        for axes, names in zip(figure.subplots(1, 2), groups, strict=True):
+        panels = figure.subplots(1, len(groups), squeeze=False)[0]
+        for axes, names in zip(panels, groups, strict=True):
             for k, statistic in enumerate(_SHOWN):
-                rows = results.table[results.table["statistic"] == statistic].set_index("error")
+                rows = table[table["statistic"] == statistic].set_index("error")
                 rows = rows.loc[names]
                 value = rows["value"].to_numpy(float)
                 bars = [
@@ -36,7 +41,7 @@ def draw_single(results: Results) -> Figure:
                     label=_NAMES[statistic],
                 )
             axes.axhline(0.0, color="#6b7280", linewidth=0.8, zorder=1.5)
-            axes.set_xticks(range(len(names)), names)
+            axes.set_xticks(range(len(names)), [name.replace("_", " ") for name in names])
             axes.set_ylabel(f"error at the end [{labels.SIGN_OF_UNIT[UNITS[names[0]]]}]")
         handles, texts = axes.get_legend_handles_labels()
         figure.legend(handles, texts, loc="outside lower center", ncols=5)

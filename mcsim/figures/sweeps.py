@@ -20,11 +20,11 @@ from mcsim.figures.style import (
     set_title,
     spans_decades,
 )
-from mcsim.results import UNITS, Results
+from mcsim.results import METHOD, Results, at_the_end, in_unit_of_tables
 from mcsim.scenario import Axis, Scenario, Value
-from mcsim.scenario.model import Figure as FigureModel
-from mcsim.scenario.model import Panel
-from mcsim.units import degrees
+from mcsim.scenario.error_names import UNITS
+from mcsim.scenario.figure import Figure as FigureModel
+from mcsim.scenario.figure import Panel
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -72,7 +72,7 @@ def draw_sweep(results: Results) -> Figure:
 
 def draw_columns(columns: list[Column], title: str | None = None) -> Figure:
     """Panels of one column in two columns of a page, several columns side by side."""
-    panels = [c.results.scenario.base.figure.panels for c in columns]
+    panels = [c.results.scenario.base.panels for c in columns]
     rows = max(map(len, panels))
     with house_style():
         if len(columns) == 1:
@@ -119,11 +119,11 @@ def _units_that_span_decades(columns: list[Column]) -> set[str]:
     """Units whose errors deserve logarithmic axes somewhere; all their panels get them."""
     units = set()
     for column in columns:
-        figure = column.results.scenario.base.figure
-        table = _slice(column, figure.statistic, column.held)
-        for panel in figure.panels:
+        base = column.results.scenario.base
+        table = _slice(column, base.figure.statistic, column.held)
+        for panel in base.panels:
             values = table[table["error"].isin(panel.errors)]["value"].to_numpy()
-            if figure.statistic != "mean" and spans_decades(values):
+            if base.figure.statistic != "mean" and spans_decades(values):
                 units.add(UNITS[panel.errors[0]])
     return units
 
@@ -155,7 +155,7 @@ def _place_legends(figure: Figure, grid: Any, families: set[tuple[Any, ...]]) ->
 
 def _drawn_paths(results: Results) -> set[str]:
     paths = set()
-    for panel in results.scenario.base.figure.panels:
+    for panel in results.scenario.base.panels:
         x, curves = _panel_axes(results.scenario.axes, panel)
         paths |= {x.path} | ({curves.path} if curves else set())
     return paths
@@ -178,7 +178,7 @@ def _draw_panel(axes: Axes, column: Column, panel: Panel, log_units: set[str]) -
     x_axis, curve_axis = _panel_axes(scenario.axes, panel)
     held = _held_in_panel(column, x_axis, curve_axis)
     table = _slice(column, statistic, held)
-    method = _slice(column, "method", held)
+    method = _slice(column, METHOD, held)
     curve_values: tuple[Value | None, ...] = curve_axis.values if curve_axis else (None,)
     names = []
     for c, curve_value in enumerate(curve_values):
@@ -240,7 +240,7 @@ def _held_in_panel(column: Column, x_axis: Axis, curve_axis: Axis | None) -> dic
 
 def _slice(column: Column, statistic: str, held: dict[str, Value]) -> pd.DataFrame:
     """The rows of one statistic where the held axes have their values."""
-    table = column.results.table
+    table = at_the_end(column.results.table)
     table = table[table["statistic"] == statistic]
     for axis in column.results.scenario.axes:
         if axis.path in held:
@@ -309,10 +309,11 @@ def _scale(axes: Axes, x_axis: Axis, values: Any, log: bool) -> None:
 
 def _draw_limit(axes: Axes, figure: FigureModel, unit: str) -> list[float]:
     """The requirement line, with its value written on it; returns what must be in view."""
-    limit = figure.limits.position if unit == "m" else figure.limits.angle
+    limits = figure.limits
+    limit = {"m": limits.position, "deg": limits.angle, "m/s": limits.velocity}[unit]
     if limit is None:
         return []
-    shown = degrees(limit) if unit == "deg" else limit
+    shown = float(in_unit_of_tables(unit, limit))
     axes.axhline(shown, color="#6b7280", linestyle=(0, (6, 3)), linewidth=1.0, zorder=1.5)
     axes.annotate(
         f"limit {shown:.3g} {labels.SIGN_OF_UNIT[unit]}",

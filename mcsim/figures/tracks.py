@@ -30,7 +30,9 @@ def draw_over_time(results: Results) -> Figure | None:
     if tracks is not None:
         rows.append(["tracks", "ends"])
     if history is not None:
-        rows += [["along", "across"], ["heading", "course"]]
+        drawn = results.scenario.base.DRAWN
+        pairs = [list(drawn[i : i + 2]) for i in range(0, len(drawn), 2)]
+        rows += [pair if len(pair) == 2 else pair * 2 for pair in pairs]
     if not rows:
         return None
     with house_style():
@@ -40,9 +42,9 @@ def draw_over_time(results: Results) -> Figure | None:
             _draw_tracks(panels["tracks"], tracks)
             _draw_ends(panels["ends"], tracks, results.scenario.base.monte_carlo.confidence)
         if history is not None:
-            for name in ("along", "across", "heading", "course"):
+            for name in drawn:
                 _draw_fan(panels[name], history[history["error"] == name], name)
-            handles, texts = panels["along"].get_legend_handles_labels()
+            handles, texts = panels[drawn[0]].get_legend_handles_labels()
             figure.legend(handles, texts, loc="outside lower center", ncols=4)
         figure.suptitle(_title(results), fontsize=10.5)
     return figure

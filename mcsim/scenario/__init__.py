@@ -1,17 +1,19 @@
 """Scenarios: YAML text in, validated frozen models with SI values out."""
 
 from mcsim.scenario.axes import Axis, Value
-from mcsim.scenario.model import ERROR_NAMES, STATISTICS, ErrorName, PlanarScenario, Statistic
+from mcsim.scenario.case import CaseScenario
+from mcsim.scenario.error_names import UNITS, ErrorName, ErrorRow
+from mcsim.scenario.planar import PlanarScenario
 from mcsim.scenario.scenario import Point, Scenario
 
 __all__ = [
-    "ERROR_NAMES",
-    "STATISTICS",
+    "UNITS",
     "Axis",
+    "CaseScenario",
     "ErrorName",
+    "ErrorRow",
     "PlanarScenario",
     "Point",
     "Scenario",
-    "Statistic",
     "Value",
 ]

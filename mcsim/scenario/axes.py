@@ -11,8 +11,8 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from mcsim.errors import InputError, UnitError
 from mcsim.scenario.document import Document
-from mcsim.scenario.model import Range
 from mcsim.scenario.paths import NOT_SWEPT, Scalar, find_scalar, scalars, suggest
+from mcsim.scenario.run import Range
 from mcsim.scenario.validation import describe
 from mcsim.units import Kind, factor, in_unit, parse, parse_confidence, split
 

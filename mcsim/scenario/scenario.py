@@ -11,6 +11,7 @@ from typing import Any
 
 from mcsim.errors import InputError
 from mcsim.scenario.axes import Axis, Value, read_axes
+from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.document import (
     Document,
     PathKey,
@@ -20,12 +21,12 @@ from mcsim.scenario.document import (
     read_document,
     with_value,
 )
-from mcsim.scenario.model import PlanarScenario
 from mcsim.scenario.paths import scalars, split_path, suggest
+from mcsim.scenario.planar import PlanarScenario
 from mcsim.scenario.validation import validate
 
 #: The cases that a scenario file may name.
-CASES: dict[str, type[PlanarScenario]] = {"planar": PlanarScenario}
+CASES: dict[str, type[CaseScenario]] = {"planar": PlanarScenario}
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Point:
     index: int
     values: tuple[Value, ...]
     identities: tuple[str, ...]
-    model: PlanarScenario
+    model: CaseScenario
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Scenario:
         Name of the results' folder: the file's name without its ending.
     document : Document
         The tree as written, with overrides applied.
-    base : PlanarScenario
+    base : CaseScenario
         The scenario where no axis applies, SI inside.
     axes : tuple of Axis
         The swept paths; a single run has none.
@@ -58,7 +59,7 @@ class Scenario:
 
     name: str
     document: Document
-    base: PlanarScenario
+    base: CaseScenario
     axes: tuple[Axis, ...]
     folder: Path
 
@@ -160,7 +161,7 @@ class Scenario:
             yield Point(index, values, identities, validate(document, model))
 
 
-def _case(document: Document) -> type[PlanarScenario]:
+def _case(document: Document) -> type[CaseScenario]:
     case = document.tree.get("case")
     if case is None:
         raise InputError(
@@ -182,7 +183,7 @@ def _without_sweep(document: Document) -> Document:
 def _override(
     document: Document,
     overrides: Mapping[str, Any] | Sequence[str],
-    model: type[PlanarScenario],
+    model: type[CaseScenario],
 ) -> Document:
     pairs = (
         list(overrides.items())
@@ -227,10 +228,17 @@ def _split_override(text: str) -> tuple[str, Any]:
     return path.strip(), parse_scalar(value, f"--set {path.strip()}")
 
 
-def _check_figure(document: Document, base: PlanarScenario, axes: tuple[Axis, ...]) -> None:
-    """The paths that a figure names must be swept."""
+def _check_figure(document: Document, base: CaseScenario, axes: tuple[Axis, ...]) -> None:
+    """The errors that a figure names must be the case's, and the paths must be swept."""
     paths = [axis.path for axis in axes]
-    for i, panel in enumerate(base.figure.panels):
+    for i, panel in enumerate(base.figure.panels or ()):
+        for name in panel.errors:
+            if name not in base.ERRORS:
+                raise InputError(
+                    f"{document.place(('figure', 'panels', i, 'errors'))}: "
+                    f"figure.panels.{i}.errors: the case {base.case} has no error `{name}` "
+                    f"(it has {', '.join(base.ERRORS)}){suggest(name, base.ERRORS)}"
+                )
         for key, path in (("x", panel.x), ("curves", panel.curves)):
             if path is not None and path not in paths:
                 raise InputError(

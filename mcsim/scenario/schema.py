@@ -7,30 +7,30 @@ from typing import Any
 from pydantic import BaseModel
 
 from mcsim import catalogue
-from mcsim.scenario.model import PlanarScenario, Range
+from mcsim.scenario.run import Range
+from mcsim.scenario.scenario import CASES
 
 SCHEMA_DRAFT = "http://json-schema.org/draft-07/schema#"
+_SWEEP = {
+    "type": "object",
+    "description": "Values of any scalar, by its dotted path: a list, or a range.",
+    "additionalProperties": {
+        "oneOf": [
+            {"type": "array", "minItems": 1, "items": {"type": ["string", "number", "boolean"]}},
+            {"$ref": "#/definitions/Range"},
+        ]
+    },
+}
 
 
 def scenario_schema() -> dict[str, Any]:
     """The schema that ``mcsim schema`` prints; emitted from the models."""
-    schema = _schema_of(PlanarScenario)
-    definitions = schema.pop("$defs")
-    definitions["Range"] = _schema_of(Range)
-    schema["properties"]["sweep"] = {
-        "type": "object",
-        "description": "Values of any scalar, by its dotted path: a list, or a range.",
-        "additionalProperties": {
-            "oneOf": [
-                {
-                    "type": "array",
-                    "minItems": 1,
-                    "items": {"type": ["string", "number", "boolean"]},
-                },
-                {"$ref": "#/definitions/Range"},
-            ]
-        },
-    }
+    definitions: dict[str, Any] = {"Range": _schema_of(Range)}
+    for model in CASES.values():
+        schema = _schema_of(model)
+        definitions |= schema.pop("$defs")
+        schema["properties"]["sweep"] = _SWEEP
+        definitions[model.__name__] = schema
     for name, element in (("Accelerometer", "accelerometer"), ("Gyroscope", "gyroscope")):
         block = definitions[name]
         definitions[name] = {
@@ -45,7 +45,17 @@ def scenario_schema() -> dict[str, Any]:
     return {
         "$schema": SCHEMA_DRAFT,
         "title": "mcsim scenario",
-        **{key: value for key, value in schema.items() if key != "title"},
+        "type": "object",
+        "required": ["case"],
+        "properties": {"case": {"enum": list(CASES)}},
+        # One branch per case, so that editors check against the case that is named.
+        "allOf": [
+            {
+                "if": {"properties": {"case": {"const": name}}},
+                "then": {"$ref": f"#/definitions/{model.__name__}"},
+            }
+            for name, model in CASES.items()
+        ],
         "definitions": _without_discriminators(definitions),
     }
 

@@ -37,7 +37,10 @@ def describe(
 ) -> str:
     """The problems of a failed validation, one per line."""
     messages: list[str] = []
-    for details in error.errors():
+    problems = error.errors()
+    for details in problems:
+        if details["type"] == "too_short" and _has_bad_items(details, problems):
+            continue  # bad items are not counted; they have lines of their own
         path = (*prefix, *_plain_path(details["loc"], get_path(document.tree, prefix)))
         if details["type"].startswith("union_tag"):
             path = (*path, "shape")
@@ -49,6 +52,11 @@ def describe(
     if len(messages) > _MOST:
         shown.append(f"… and {len(messages) - _MOST} more")
     return "\n".join(shown)
+
+
+def _has_bad_items(details: ErrorDetails, problems: list[ErrorDetails]) -> bool:
+    loc = details["loc"]
+    return any(len(p["loc"]) > len(loc) and p["loc"][: len(loc)] == loc for p in problems)
 
 
 def _plain_path(loc: tuple[str | int, ...], tree: Any) -> PathKey:

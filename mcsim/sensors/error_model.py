@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.scenario.model import Sensors
+from mcsim.scenario.sensors import Sensors
 from mcsim.units import sample_deviation
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from pathlib import Path
 
-from mcsim.scenario.model import Recorded, Trajectory
+from mcsim.scenario.tracks import Recorded, Trajectory
 from mcsim.trajectory.drive import CurveManoeuvre, Drive, Motion
 
 __all__ = ["CurveManoeuvre", "Drive", "Motion", "drive_of"]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_smoothing_spline
 
 from mcsim.errors import InputError, UnitError
-from mcsim.scenario.model import Columns, Recorded
+from mcsim.scenario.tracks import Columns, Recorded
 from mcsim.trajectory.curves import Array
 from mcsim.trajectory.drive import Motion
 from mcsim.units import KINDS, factor

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from mcsim.errors import InputError
-from mcsim.scenario.model import (
+from mcsim.scenario.tracks import (
     Curve,
     DoubleLaneChange,
     LaneChange,
