@@ -76,7 +76,7 @@ def run_point(
     notes = dict(problem.missing)
     reference = _reference(problem, settings, count)
     while True:
-        collector = Collector(count, reference)
+        collector = Collector(count, reference, nets=settings.offsets == "sobol")
         _fill(collector, problem, key, threads, progress)
         estimates = estimate(collector, settings.confidence, settings.resamples, bootstrap_key)
         if settings.precision is None:
@@ -147,10 +147,11 @@ def _fill(
     count = collector.count
     chunk = max(CHUNK, collector.cell)
     with_controls = collector.reference.mean is not None
+    net = collector.cell if collector.nets else 0
 
     def simulate(start: int) -> None:
         size = min(chunk, count - start)
-        sample = problem.simulate(key, start, size, controls=with_controls)
+        sample = problem.simulate(key, start, size, controls=with_controls, net=net)
         collector.add(start, sample.errors, sample.controls)
         progress(size)
 

@@ -35,6 +35,8 @@ MOMENTS = ("mean", "std", "rms")
 PERCENTILES = (0.50, 0.95)
 #: Most items that are resampled; cells grow by powers of two beyond.
 MOST_ITEMS = 2048
+#: Cells that realizations make where each is a Sobol net: few, since nets gain by size.
+MOST_NETS = 64
 #: Realizations that are kept as they are; beyond, only those near a percentile.
 KEPT = 1 << 17
 #: Half-width of what "near" means, in standard errors of the kept ones' percentile.
@@ -80,16 +82,18 @@ class Collector:
     """Takes in the realizations of one point, in any order and from any thread.
 
     ``count`` realizations are expected, in pieces that begin at multiples of
-    ``cell``; those below ``KEPT`` must be added before any beyond.
+    ``cell``; those below ``KEPT`` must be added before any beyond.  With ``nets`` every
+    cell is a Sobol net: cells are independent of each other, realizations are not.
     """
 
-    def __init__(self, count: int, reference: Reference) -> None:
+    def __init__(self, count: int, reference: Reference, nets: bool = False) -> None:
         from mcsim.kernels.moments import SUMS
 
         self.count = count
         self.reference = reference
+        self.nets = nets
         self.cell = 1
-        while count > MOST_ITEMS * self.cell:
+        while count > (MOST_NETS if nets else MOST_ITEMS) * self.cell:
             self.cell *= 2
         cells = -(-count // self.cell)
         n_errors = len(reference.centre)
@@ -208,8 +212,9 @@ def estimate(collector: Collector, sigmas: float, resamples: int, key: int) -> E
     degenerate = defined & collector.degenerate
     rows = np.flatnonzero(defined & ~degenerate)
     if len(rows):
+        reach = _of_few(sigmas, len(collector.sizes)) if collector.nets else sigmas
         value[rows, :3], low[rows, :3], high[rows, :3] = _moments(
-            collector, rows, sigmas, resamples, key
+            collector, rows, reach, resamples, key
         )
         for row in map(int, rows):
             value[row, 3:], low[row, 3:], high[row, 3:] = _quantiles(collector, row, sigmas)
@@ -260,6 +265,15 @@ def _moments(
     never = collector.not_negative()[rows]
     low[never, 0] = np.maximum(low[never, 0], 0.0)
     return value, low, high
+
+
+def _of_few(sigmas: float, items: int) -> float:
+    """Student's quantile in place of the normal one: the resampled spread is of few items."""
+    from scipy.special import ndtr, stdtrit
+
+    few = max(items - 1, 1)
+    # The spread of resamples is that of a population, smaller than the sample's.
+    return float(stdtrit(few, ndtr(sigmas)) * np.sqrt((few + 1) / few))
 
 
 def _controlled_sums(collector: Collector, rows: NDArray[np.intp]) -> tuple[Array, Array]:

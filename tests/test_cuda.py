@@ -42,7 +42,8 @@ def both(tmp_path_factory):
     errors, nothing = np.empty((5, COUNT)), np.zeros((0, 0))
     simulate(
         np.uint64(KEY), np.uint64(0), COUNT, signals, p.white, np.zeros(7), start, np.zeros(4),
-        t, False, 0.5, p._largest_turn, nothing, nothing, errors, np.empty((4, 0)),
+        t, False, 0.5, p._largest_turn, nothing, nothing,
+        np.zeros((0, 0), np.float32), errors, np.empty((4, 0)),
         np.empty((0, 0, 0)),
     )  # fmt: skip
     return dict(np.load(folder / "result.npz")), errors, t

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mcsim.cases.nets import net_normals
 from mcsim.cases.planar_linear import (
     ACROSS,
     ALONG,
@@ -121,8 +122,10 @@ class PlanarProblem:
     def method_errors(self) -> Array:
         return self._method_errors
 
-    def simulate(self, key: int, first: int, count: int, controls: bool = False) -> Sample:
-        errors, linear = self._run(key, first, count, with_linear=controls)
+    def simulate(
+        self, key: int, first: int, count: int, controls: bool = False, net: int = 0
+    ) -> Sample:
+        errors, linear = self._run(key, first, count, with_linear=controls, net=net)
         if not controls:
             return Sample(errors, linear)
         return Sample(errors, self._controls(linear))
@@ -169,8 +172,10 @@ class PlanarProblem:
         disturbed: bool = True,
         with_linear: bool = False,
         history: Array | None = None,
+        net: int = 0,
     ) -> tuple[Array, Array]:
         """Errors (5, count) and linear errors (4, count or 0)."""
+        from mcsim.kernels.lanes import N_CONSTANTS
         from mcsim.kernels.planar import ERRORS, LINEAR_ERRORS, simulate
 
         truth = self.truth
@@ -196,6 +201,7 @@ class PlanarProblem:
             self._largest_turn if disturbed else float(np.max(np.abs(self.signals[:, 2]))),
             samples,
             constants,
+            net_normals(key, first, count, net, N_CONSTANTS) if net else _NONE_GIVEN,
             errors,
             linear,
             np.empty((0, 0, 0)) if history is None else history,
@@ -219,6 +225,7 @@ class PlanarProblem:
 
 
 _NO_SAMPLES, _NO_CONSTANTS = np.zeros((0, 0)), np.zeros((0, 0))
+_NONE_GIVEN = np.zeros((0, 0), np.float32)
 
 
 @dataclass(frozen=True)

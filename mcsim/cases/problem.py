@@ -78,8 +78,14 @@ class Problem(Protocol):
     def linear(self) -> LinearModel:
         """The linear model around the undisturbed reconstruction."""
 
-    def simulate(self, key: int, first: int, count: int, controls: bool = False) -> Sample:
-        """Realizations first ... first + count - 1, with controls if asked for."""
+    def simulate(
+        self, key: int, first: int, count: int, controls: bool = False, net: int = 0
+    ) -> Sample:
+        """Realizations first ... first + count - 1, with controls if asked for.
+
+        What a realization draws once comes from Sobol nets of ``net`` realizations, unless
+        that is zero.
+        """
 
     def method_errors(self) -> Array:
         """Errors (e,) of the undisturbed reconstruction."""

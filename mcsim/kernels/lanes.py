@@ -47,6 +47,14 @@ def draw_constants(key, first, constants):
 
 
 @scalar
+def take_constants(given, start, filled, constants):
+    """The same from an array (12, count), for the realizations ``start`` and following."""
+    for row in range(N_CONSTANTS):
+        for j in range(filled):
+            constants[row * LANES + j] = given[row, start + j]
+
+
+@scalar
 def draw_group(random_state, normals):
     """Twelve normals per lane: three channels of ``GROUP`` samples.
 

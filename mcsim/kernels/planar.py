@@ -37,6 +37,7 @@ from mcsim.kernels.lanes import (
     draw_constants,
     draw_group,
     seed_lanes,
+    take_constants,
 )
 from mcsim.kernels.rotation import (
     LARGEST_TURN,
@@ -384,6 +385,7 @@ def simulate(
     largest_turn: float,
     sensitivity: Array,
     linear_constants: Array,
+    given: NDArray[np.float32],
     errors: Array,
     linear: Array,
     history: Array,
@@ -421,6 +423,8 @@ def simulate(
         from each channel, heading from the turn.
     linear_constants : float64 (4, 12)
         Linear errors per unit normal of each constant.
+    given : float32 (12, count) or (12, 0)
+        Normals for what is drawn once per realization, instead of drawing them, unless empty.
     errors : float64 (5, count), written
         along, across, position (m), heading, course (rad).
     linear : float64 (4, count) or (4, 0), written
@@ -431,6 +435,7 @@ def simulate(
     n = signals.shape[0] - 1
     record = history.shape[1] > 0
     with_linear = linear.shape[1] > 0
+    with_given = given.shape[1] > 0
     little = largest_turn <= LITTLE_TURN
     exact = largest_turn > LARGEST_TURN
     for channel in range(3):
@@ -448,7 +453,9 @@ def simulate(
         start = block * LANES
         filled = min(LANES, count - start)
         block_first = first + uint64(start)
-        if with_constants:
+        if with_given:
+            take_constants(given, start, filled, constants)
+        elif with_constants:
             draw_constants(key, block_first, constants)
         _start(constants, deviations, white, initial, signals, interval, state)
         if with_linear:

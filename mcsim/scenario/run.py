@@ -26,6 +26,9 @@ class MonteCarlo(Block):
     estimator: Literal["control_variate", "plain", "linear"] = "control_variate"
     """`control_variate` estimates only what the linear model leaves, `plain` everything;
     `linear` reports the linear model, and where Monte Carlo contradicts it."""
+    offsets: Literal["random", "sobol"] = "random"
+    """What a realization draws once: at random, or from scrambled Sobol points, which fill
+    the space evenly and narrow the intervals where such offsets dominate."""
     confidence: Confidence = 3.0
     """Confidence of the intervals, `3 sigma` or `95 %`."""
     resamples: Annotated[int, Whole, Ge(100), Le(100_000)] = 1000
