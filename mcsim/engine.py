@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.cases import Problem
-from mcsim.cases.lengths import length_quantile
 from mcsim.scenario.run import MonteCarlo
 from mcsim.statistics import KEPT, MOMENTS, Collector, Estimates, Reference, estimate
 
@@ -120,9 +119,8 @@ def linear_estimates(problem: Problem) -> Estimates:
     value = np.stack(
         [mean, std, np.hypot(mean, std), *(mean + std * ndtri(p) for p in percentiles)], axis=1
     )
-    if "position" in problem.error_names:
-        position = problem.error_names.index("position")
-        value[position, 3:] = [length_quantile(linear.centre, linear.plane, p) for p in percentiles]
+    for row, quantile in linear.quantiles.items():
+        value[row, len(MOMENTS) :] = [quantile(p) for p in percentiles]
     value[np.isnan(method)] = np.nan
     return Estimates(value, value.copy(), value.copy(), np.zeros(len(method), bool))
 

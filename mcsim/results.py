@@ -281,8 +281,7 @@ def _tracks_frame(coordinates: dict[str, Any], history: Any, count: int) -> pd.D
                 **coordinates,
                 "realization": number,
                 TIME: history.time,
-                "along [m]": track[0],
-                "across [m]": track[1],
+                **dict(zip(history.coordinates, track, strict=True)),
             }
         )
         for number, track in [

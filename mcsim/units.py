@@ -109,6 +109,8 @@ _KINDS = (
         {**_per({"°": _DEG, "rad": 1.0}, _ROOT_TIME), **_per(_RATE, _ROOT_HERTZ)},
         "0.2 °/√h",
     ),
+    # Raw output as the sensor gives it: fractions of the local gravity, never m/s².
+    Kind("sensor output", "a", "g", {"g": 1.0, "mg": 1e-3, "µg": 1e-6}, "3.8e-3 g"),
     Kind("ratio", "a", "1", {"%": 1e-2, "ppm": 1e-6}, "1 %"),
     Kind("confidence", "a", "σ", {"σ": 1.0, "%": math.nan}, "3 sigma"),
 )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mcsim.cases.problem import History, Problem
 from mcsim.errors import McsimError
-from mcsim.scenario import CaseScenario, PlanarScenario
+from mcsim.scenario import CaseScenario, PlanarScenario, VelocityScenario
 
 __all__ = ["History", "Problem", "check_point", "problem_of"]
 
@@ -26,6 +26,10 @@ def problem_of(model: CaseScenario, folder: Path) -> Problem:
         from mcsim.cases.planar import PlanarProblem
 
         return PlanarProblem.from_model(model, folder)
+    if isinstance(model, VelocityScenario):
+        from mcsim.cases.velocity import VelocityProblem
+
+        return VelocityProblem.from_model(model)
     raise _unknown(model)
 
 
@@ -42,6 +46,10 @@ def check_point(model: CaseScenario, folder: Path) -> int:
         from mcsim.trajectory import drive_of
 
         return sample_count(drive_of(model.trajectory, folder), model.sensors.rate)
+    if isinstance(model, VelocityScenario):
+        from mcsim.cases.velocity import step_count
+
+        return step_count(model)
     raise _unknown(model)
 
 

@@ -175,8 +175,7 @@ class PlanarProblem:
         net: int = 0,
     ) -> tuple[Array, Array]:
         """Errors (5, count) and linear errors (4, count or 0)."""
-        from mcsim.kernels.lanes import N_CONSTANTS
-        from mcsim.kernels.planar import ERRORS, LINEAR_ERRORS, simulate
+        from mcsim.kernels.planar import ERRORS, LINEAR_ERRORS, N_CONSTANTS, simulate
 
         truth = self.truth
         course_end = math.nan if "course" in self.missing else float(truth.course[-1])

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.cases.lengths import mean_length
+from mcsim.cases.lengths import length_quantile, mean_length
 from mcsim.cases.problem import LinearModel
 
 Array = NDArray[np.float64]
@@ -22,6 +22,8 @@ Complex = NDArray[np.complex128]
 
 #: Rows of the weights: along, across, heading, course.
 ALONG, ACROSS, HEADING, COURSE = range(4)
+#: Row of the position error among the errors that are reported.
+POSITION = 2
 #: Columns of the constants that the kernel draws (see ``mcsim.kernels.planar``).
 _SPEED, _DIRECTION, _HEADING, _COURSE, _SAMPLE_0 = 3, 4, 5, 6, 8
 _SOURCES = {
@@ -150,10 +152,13 @@ def linear_model(weights: Weights, method: Array) -> LinearModel:
     plane = covariance[:2, :2]
     offset = float(np.hypot(method[0], method[1]))
     length = mean_length(method[:2], plane)
-    mean[2] = length - offset
-    second[2] = 2.0 * offset**2 + np.trace(plane) - 2.0 * offset * length
+    mean[POSITION] = length - offset
+    second[POSITION] = 2.0 * offset**2 + np.trace(plane) - 2.0 * offset * length
     variances = {
         source: np.array([v[ALONG], v[ACROSS], v[ALONG] + v[ACROSS], v[HEADING], v[COURSE]])
         for source, v in weights.variances().items()
     }
-    return LinearModel(mean, second, variances, np.asarray(method[:2]), plane)
+    centre = np.asarray(method[:2])
+    return LinearModel(
+        mean, second, variances, {POSITION: lambda p: length_quantile(centre, plane, p)}
+    )

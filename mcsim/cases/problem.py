@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -28,14 +28,16 @@ class Sample:
 class History:
     """Reconstructed tracks and their errors over time.
 
-    time (n + 1,) in s from the first sample; tracks (2, n + 1, r) along, across in m;
-    truth (2, n + 1); errors (e, n + 1, r) in SI units, NaN where undefined.
+    time (n + 1,) in s from the first sample; tracks (c, n + 1, r) of what ``coordinates``
+    names, with units; truth (c, n + 1); errors (e, n + 1, r) in SI units, NaN where
+    undefined.
     """
 
     time: Array
     tracks: Array
     truth: Array
     errors: Array
+    coordinates: tuple[str, ...] = ("along [m]", "across [m]")
 
 
 @dataclass(frozen=True)
@@ -44,15 +46,14 @@ class LinearModel:
 
     ``mean`` and ``second_moment`` are the expectations of the controls and of their
     squares; ``variances`` those of the signed errors by source of disturbance (for the
-    position error: of its two components together).  ``centre`` (2,) and ``plane``
-    (2, 2) are mean and covariance of the plane position error.
+    position error: of its two components together).  ``quantiles`` are the quantile
+    functions of errors (by row) that are not normal.
     """
 
     mean: Array
     second_moment: Array
     variances: Mapping[str, Array]
-    centre: Array
-    plane: Array
+    quantiles: Mapping[int, Callable[[float], float]]
 
 
 class Problem(Protocol):

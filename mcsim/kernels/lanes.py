@@ -16,8 +16,6 @@ LANES = 128
 GROUP = 4
 #: Streams of a realization: white noise of the samples, constants drawn once.
 WHITE_NOISE, CONSTANTS = 0, 1
-#: Normals drawn once per realization.
-N_CONSTANTS = 12
 
 
 @scalar
@@ -32,9 +30,9 @@ def seed_lanes(key, first, stream, random_state):
 
 
 @scalar
-def draw_constants(key, first, constants):
-    """Twelve normals per lane for what a realization draws once."""
-    for block in range(N_CONSTANTS // 4):
+def draw_constants(key, first, rows, constants):
+    """Normals per lane for what a realization draws once; ``rows`` is a multiple of four."""
+    for block in range(rows // 4):
         row = 4 * block * LANES
         for j in range(LANES):
             w0, w1, w2, w3 = stream_words(key, first + uint64(j), CONSTANTS, block)
@@ -47,9 +45,9 @@ def draw_constants(key, first, constants):
 
 
 @scalar
-def take_constants(given, start, filled, constants):
-    """The same from an array (12, count), for the realizations ``start`` and following."""
-    for row in range(N_CONSTANTS):
+def take_constants(given, start, filled, rows, constants):
+    """The same from an array (rows, count), for the realizations ``start`` and following."""
+    for row in range(rows):
         for j in range(filled):
             constants[row * LANES + j] = given[row, start + j]
 

@@ -32,7 +32,6 @@ from mcsim.kernels.compilation import kernel, scalar
 from mcsim.kernels.lanes import (
     GROUP,
     LANES,
-    N_CONSTANTS,
     WHITE_NOISE,
     draw_constants,
     draw_group,
@@ -55,6 +54,8 @@ Array = NDArray[np.float64]
 ERRORS = 5
 #: Rows of the linear errors: along, across, course, heading.
 LINEAR_ERRORS = 4
+#: Normals drawn once per realization.
+N_CONSTANTS = 12
 # Constants of a realization (see ``lanes``): three miscalibrations, initial speed,
 # direction, heading and course errors, one spare, then the noise of sample 0, which the
 # trapezoidal rule uses.
@@ -454,9 +455,9 @@ def simulate(
         filled = min(LANES, count - start)
         block_first = first + uint64(start)
         if with_given:
-            take_constants(given, start, filled, constants)
+            take_constants(given, start, filled, N_CONSTANTS, constants)
         elif with_constants:
-            draw_constants(key, block_first, constants)
+            draw_constants(key, block_first, N_CONSTANTS, constants)
         _start(constants, deviations, white, initial, signals, interval, state)
         if with_linear:
             _start_linear(constants, linear_constants, state)

@@ -5,6 +5,7 @@ from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.error_names import UNITS, ErrorName, ErrorRow
 from mcsim.scenario.planar import PlanarScenario
 from mcsim.scenario.scenario import Point, Scenario
+from mcsim.scenario.velocity import VelocityScenario
 
 __all__ = [
     "UNITS",
@@ -16,4 +17,5 @@ __all__ = [
     "Point",
     "Scenario",
     "Value",
+    "VelocityScenario",
 ]

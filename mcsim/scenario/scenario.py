@@ -24,9 +24,13 @@ from mcsim.scenario.document import (
 from mcsim.scenario.paths import scalars, split_path, suggest
 from mcsim.scenario.planar import PlanarScenario
 from mcsim.scenario.validation import validate
+from mcsim.scenario.velocity import VelocityScenario
 
 #: The cases that a scenario file may name.
-CASES: dict[str, type[CaseScenario]] = {"planar": PlanarScenario}
+CASES: dict[str, type[CaseScenario]] = {
+    "planar": PlanarScenario,
+    "velocity": VelocityScenario,
+}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,169 @@
+"""The velocity case linearised around its undisturbed run, correlations included.
+
+What a group draws once acts on every step in the same way: its effect on the velocity is
+the sum of its effects on the steps, not the root of the sum of squares.  Calibration acts
+on the acceleration and on the initial tilt, which cancel in part.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.cases.problem import LinearModel
+from mcsim.kernels.velocity import GROUP_INPUTS
+
+Array = NDArray[np.float64]
+
+#: What a group draws once, by source: columns of the group's weights.
+GROUP_SOURCES = {
+    "calibration matrix": slice(0, 6),
+    "zero bias": slice(6, 9),
+    "noise at rest": slice(9, 12),
+    "tilt change": slice(12, 13),
+    "gravity": slice(13, 14),
+}
+#: What every step draws, by source.
+NOISE, TIME_BASE = "noise while moving", "time base"
+_COMPLEX_STEP = 1e-30
+
+
+@dataclass(frozen=True)
+class VelocityWeights:
+    """Velocity errors (m/s) per unit normal.
+
+    ``steps`` (n, 4) of each step's noise in x, y, z and of its interval; ``group`` (k, 14) of
+    what a group draws once, at each instant; ``counts`` (k,) steps until each instant.
+    With ``stamps`` an interval's error is the difference of two normals, those of its ends.
+    """
+
+    steps: Array
+    group: Array
+    counts: NDArray[np.int64]
+    stamps: bool
+
+    def group_variances(self) -> Mapping[str, Array]:
+        """Variances (k,) of the velocity from what a group draws once, by source."""
+        return {
+            source: np.sum(self.group[:, columns] ** 2, axis=1)
+            for source, columns in GROUP_SOURCES.items()
+        }
+
+    def step_variances(self) -> Mapping[str, Array]:
+        """Variances (k,) of the velocity of one run from what every step draws, by source."""
+        noise = np.cumsum(np.sum(self.steps[:, :3] ** 2, axis=1))
+        time = self.steps[:, 3]
+        if self.stamps:
+            # A stamp ends one interval and begins the next; the last one only ends.
+            inner = np.append(0.0, np.cumsum(np.diff(time) ** 2))
+            times = inner + time**2
+        else:
+            times = np.cumsum(time**2)
+        return {NOISE: noise[self.counts - 1], TIME_BASE: times[self.counts - 1]}
+
+
+def accelerations(raw: Array, inputs: NDArray[Any], order: int) -> NDArray[Any]:
+    """Horizontal acceleration (n,) in m/s^2 from raw output (n, 3), Eq. (4), (5), (15)-(20).
+
+    ``inputs`` (14,) as the kernel has them, real or complex.
+    """
+    lx, lz, bias, rest, change, g = (
+        inputs[0:3],
+        inputs[3:6],
+        inputs[6:9],
+        inputs[9:12],
+        inputs[12],
+        inputs[13],
+    )
+    theta = np.arctan((lx @ (rest - bias)) / (lz @ (rest - bias))) + change
+    p, q = {
+        0: (1.0, theta),
+        1: (1.0 / (1.0 + theta * theta), theta / (1.0 + theta * theta)),
+        2: (np.cos(theta), np.sin(theta)),
+    }[order]
+    return g * ((raw - bias) @ (p * lx - q * lz))
+
+
+def velocity_weights(
+    raw: Array,
+    inputs: Array,
+    uncertainties: Array,
+    white: Array,
+    interval: float,
+    time_error: float,
+    stamps: bool,
+    order: int,
+    counts: NDArray[np.int64],
+) -> VelocityWeights:
+    """Weights of all disturbances; parameters as in ``mcsim.kernels.velocity.simulate``."""
+    group = np.empty((len(counts), GROUP_INPUTS))
+    for k in range(GROUP_INPUTS):
+        moved = inputs.astype(complex)
+        moved[k] += _COMPLEX_STEP * 1j
+        slopes = np.imag(accelerations(raw, moved, order)) / _COMPLEX_STEP
+        group[:, k] = uncertainties[k] * interval * np.cumsum(slopes)[counts - 1]
+    bias = inputs[6:9]
+    per_axis = accelerations(bias + np.eye(3), inputs, order)
+    steps = np.empty((len(raw), 4))
+    steps[:, :3] = interval * per_axis * white
+    steps[:, 3] = _of_stamp(time_error, stamps) * accelerations(raw, inputs, order)
+    return VelocityWeights(steps, group, counts, stamps)
+
+
+def _of_stamp(time_error: float, stamps: bool) -> float:
+    """Deviation of one stamp whose differences have the deviation ``time_error``."""
+    return time_error / math.sqrt(2.0) if stamps else time_error
+
+
+def velocity_linear_model(weights: VelocityWeights, runs: int) -> LinearModel:
+    """Moments of the linear errors: velocity, mean velocity, scatter of the runs per instant.
+
+    The sample standard deviation of normal runs has the mean ``c4 sigma`` and the mean
+    square ``sigma^2``.
+    """
+    group, steps = weights.group_variances(), weights.step_variances()
+    own = np.sum(list(steps.values()), axis=0)
+    common = np.sum(list(group.values()), axis=0)
+    zero = np.zeros_like(own)
+    variances = {name: _rows(v, v, zero) for name, v in group.items()} | {
+        name: _rows(v, v / runs, v) for name, v in steps.items()
+    }
+    mean = np.zeros(3 * len(own))
+    mean[2::3] = _c4(runs) * np.sqrt(own)
+    return LinearModel(
+        mean=mean,
+        second_moment=_rows(common + own, common + own / runs, own),
+        variances=variances,
+        quantiles={
+            3 * i + 2: _scatter_quantile(math.sqrt(variance), runs)
+            for i, variance in enumerate(own)
+            if runs > 1
+        },
+    )
+
+
+def _rows(velocity: Array, mean_velocity: Array, scatter: Array) -> Array:
+    return np.stack([velocity, mean_velocity, scatter], axis=1).ravel()
+
+
+def _c4(runs: int) -> float:
+    """Mean of the sample standard deviation of ``runs`` unit normals."""
+    if runs < 2:
+        return 0.0
+    return math.sqrt(2.0 / (runs - 1)) * math.exp(
+        math.lgamma(runs / 2.0) - math.lgamma((runs - 1) / 2.0)
+    )
+
+
+def _scatter_quantile(sigma: float, runs: int) -> Callable[[float], float]:
+    def quantile(p: float) -> float:
+        from scipy.special import chdtri
+
+        return sigma * math.sqrt(float(chdtri(runs - 1, 1.0 - p)) / (runs - 1))
+
+    return quantile

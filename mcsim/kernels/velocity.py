@@ -1,0 +1,283 @@
+"""Velocity by integration of a tri-axial accelerometer, many groups of runs at once.
+
+Groups are the realizations: what is drawn once per group (calibration, rest phase, tilt,
+gravity) belongs to all its runs, noise and time errors to every step of every run.  Groups
+are integrated side by side, ``LANES`` at a time.
+
+The corrected, tilt-corrected acceleration is linear in the raw output,
+
+    aX = kx (rx - Bx) + ky (ry - By) + kz (rz - Bz),    k = (p lx. - q lz.) g,
+
+with p, q from the tilt: Eq. (15) has p = 1 and q = theta.  So a group needs four numbers
+only, and a step eight multiplications.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import uint64
+from numpy.typing import NDArray
+
+from mcsim.kernels.compilation import kernel, scalar
+from mcsim.kernels.lanes import (
+    LANES,
+    WHITE_NOISE,
+    draw_constants,
+    draw_group,
+    seed_lanes,
+    take_constants,
+)
+
+Array = NDArray[np.float64]
+
+#: What a group draws once: lxx, lxy, lxz, lzx, lzy, lzz, Bx, By, Bz, means of the raw output
+#: at rest (x, y, z), the change of tilt, gravity; two spare.
+GROUP_INPUTS, DRAWN = 14, 16
+_LXX, _LXY, _LXZ, _LZX, _LZY, _LZZ, _BX, _BY, _BZ, _RX, _RY, _RZ, _TILT, _G = range(GROUP_INPUTS)
+#: How the tilt enters, as numbers.
+FIRST_ORDER, SECOND_ORDER, EXACT = range(3)
+#: Steps of four channels (three axes and the interval) that one draw of twelve normals serves.
+_STEPS = 3
+
+_KX, _KY, _KZ, _K0, _SPEED, _LINEAR, _STAMP, _TIME = (LANES * row for row in range(8))
+_N_STATE = LANES * 8
+
+
+@scalar
+def tilt_factors(theta, order):
+    """p and q in aX = (p acx - q acz) g."""
+    if order == EXACT:
+        return math.cos(theta), math.sin(theta)
+    if order == SECOND_ORDER:
+        return 1.0 / (1.0 + theta * theta), theta / (1.0 + theta * theta)
+    return 1.0, theta
+
+
+@scalar
+def _start_groups(constants, inputs, uncertainties, order, state):
+    """The four numbers of each lane, Eq. (4), (5), (15), (19), (20)."""
+    for j in range(LANES):
+        x = 0.0
+        z = 0.0
+        for axis in range(3):
+            rest = inputs[_RX + axis] + uncertainties[_RX + axis] * np.float64(
+                constants[(_RX + axis) * LANES + j]
+            )
+            bias = inputs[_BX + axis] + uncertainties[_BX + axis] * np.float64(
+                constants[(_BX + axis) * LANES + j]
+            )
+            lx = inputs[_LXX + axis] + uncertainties[_LXX + axis] * np.float64(
+                constants[(_LXX + axis) * LANES + j]
+            )
+            lz = inputs[_LZX + axis] + uncertainties[_LZX + axis] * np.float64(
+                constants[(_LZX + axis) * LANES + j]
+            )
+            x += lx * (rest - bias)
+            z += lz * (rest - bias)
+        theta = math.atan2(x, z) + uncertainties[_TILT] * np.float64(constants[_TILT * LANES + j])
+        p, q = tilt_factors(theta, order)
+        g = inputs[_G] + uncertainties[_G] * np.float64(constants[_G * LANES + j])
+        k0 = 0.0
+        for axis in range(3):
+            lx = inputs[_LXX + axis] + uncertainties[_LXX + axis] * np.float64(
+                constants[(_LXX + axis) * LANES + j]
+            )
+            lz = inputs[_LZX + axis] + uncertainties[_LZX + axis] * np.float64(
+                constants[(_LZX + axis) * LANES + j]
+            )
+            bias = inputs[_BX + axis] + uncertainties[_BX + axis] * np.float64(
+                constants[(_BX + axis) * LANES + j]
+            )
+            k = (p * lx - q * lz) * g
+            state[_KX + axis * LANES + j] = k
+            k0 -= k * bias
+        state[_K0 + j] = k0
+
+
+@scalar
+def _time_normals(row, normals, difference, state):
+    """What scales the error of each lane's interval: a normal, or the last two's difference."""
+    for j in range(LANES):
+        normal = np.float64(normals[row + 3 * LANES + j])
+        state[_TIME + j] = normal - difference * state[_STAMP + j]
+        state[_STAMP + j] = normal
+
+
+@scalar
+def _advance(i, row, normals, raw, white, interval, time_error, state):
+    """One step of every lane's run, Eq. (24)."""
+    sx, sy, sz = raw[i, 0], raw[i, 1], raw[i, 2]
+    wx, wy, wz = white[0], white[1], white[2]
+    for j in range(LANES):
+        acceleration = (
+            state[_K0 + j]
+            + state[_KX + j] * (sx + wx * normals[row + j])
+            + state[_KY + j] * (sy + wy * normals[row + LANES + j])
+            + state[_KZ + j] * (sz + wz * normals[row + 2 * LANES + j])
+        )
+        step = interval + time_error * state[_TIME + j]
+        state[_SPEED + j] += acceleration * step
+
+
+@scalar
+def _advance_linear(i, row, normals, weights, state):
+    """Add the step's share of the linear error."""
+    a, b, c, d = weights[i, 0], weights[i, 1], weights[i, 2], weights[i, 3]
+    for j in range(LANES):
+        state[_LINEAR + j] += (
+            a * normals[row + j]
+            + b * normals[row + LANES + j]
+            + c * normals[row + 2 * LANES + j]
+            + d * state[_TIME + j]
+        )
+
+
+@kernel
+def simulate(
+    key: np.uint64,
+    first: np.uint64,
+    count: int,
+    runs: int,
+    raw: Array,
+    inputs: Array,
+    uncertainties: Array,
+    white: Array,
+    interval: float,
+    time_error: float,
+    stamps: bool,
+    order: int,
+    instants: NDArray[np.int64],
+    truth: Array,
+    step_weights: Array,
+    group_weights: Array,
+    given: NDArray[np.float32],
+    errors: Array,
+    linear: Array,
+    curves: Array,
+) -> None:
+    """Velocity errors of ``count`` groups of ``runs`` runs, from group ``first`` on.
+
+    Parameters
+    ----------
+    key, first : uint64
+        Key of the random numbers and index of the first group.
+    count, runs : int
+    raw : float64 (n, 3)
+        Undisturbed raw output of the axes (fractions of g) at the steps.
+    inputs, uncertainties : float64 (14,)
+        Estimates and standard uncertainties of what a group draws once: lxx, lxy, lxz, lzx,
+        lzy, lzz, Bx, By, Bz, mean raw output at rest (x, y, z), tilt change (rad), g (m/s^2).
+    white : float64 (3,)
+        Standard deviation of one raw sample (fractions of g).
+    interval, time_error : float
+        Nominal interval between samples and its standard uncertainty (s).
+    stamps : bool
+        Time stamps err (the first one defines time zero), so that neighbouring intervals
+        err oppositely; else intervals err independently.
+    order : int
+        ``FIRST_ORDER``, ``SECOND_ORDER`` or ``EXACT`` tilt correction.
+    instants : int64 (k,)
+        Numbers of steps, ascending, after which errors are wanted.
+    truth : float64 (k,)
+        True velocity then (m/s).
+    step_weights : float64 (n, 4)
+        Linear error per unit normal of each step's three axes and interval.
+    group_weights : float64 (k, 14)
+        Linear error at each instant per unit normal of what a group draws once.
+    given : float32 (16, count) or (0, 0)
+        Normals for what a group draws once, instead of drawing them, unless empty.
+    errors : float64 (3 k, count), written
+        At each instant: error of the group's first run, error of the mean of all runs,
+        sample standard deviation of the runs (m/s).
+    linear : float64 (3 k, count) or (3 k, 0), written
+        Linear errors of the same (zero for the standard deviation), unless empty.
+    curves : float64 (k, runs, count) or (0, 0, 0), written
+        Velocities of every run at the instants, unless empty.
+    """
+    n_instants = len(instants)
+    with_linear = linear.shape[1] > 0
+    with_curves = curves.shape[0] > 0
+    with_given = given.shape[1] > 0
+    difference = 1.0 if stamps else 0.0
+    stamp_error = time_error * math.sqrt(0.5) if stamps else time_error
+    random_state = np.empty(4 * LANES, np.uint32)
+    normals = np.empty(12 * LANES, np.float32)
+    constants = np.zeros(DRAWN * LANES, np.float32)
+    state = np.zeros(_N_STATE, np.float64)
+    # Sums over the runs, shifted by the first run so that none of the digits is lost.
+    sums = np.empty((n_instants, 5, LANES), np.float64)
+    for block in range((count + LANES - 1) // LANES):
+        start = block * LANES
+        filled = min(LANES, count - start)
+        block_first = first + uint64(start)
+        if with_given:
+            take_constants(given, start, filled, DRAWN, constants)
+        else:
+            draw_constants(key, block_first, DRAWN, constants)
+        _start_groups(constants, inputs, uncertainties, order, state)
+        seed_lanes(key, block_first, WHITE_NOISE, random_state)
+        for run in range(runs):
+            for j in range(LANES):
+                state[_SPEED + j] = 0.0
+                state[_LINEAR + j] = 0.0
+                state[_STAMP + j] = 0.0
+            done = 0
+            for instant in range(n_instants):
+                for i in range(done, instants[instant]):
+                    if i % _STEPS == 0:
+                        draw_group(random_state, normals)
+                    row = (i % _STEPS) * 4 * LANES
+                    _time_normals(row, normals, difference, state)
+                    _advance(i, row, normals, raw, white, interval, stamp_error, state)
+                    if with_linear:
+                        _advance_linear(i, row, normals, step_weights, state)
+                done = instants[instant]
+                _keep_run(run, state, sums[instant])
+                if with_curves:
+                    for j in range(filled):
+                        curves[instant, run, start + j] = state[_SPEED + j]
+        for instant in range(n_instants):
+            _finish(
+                instant, start, filled, runs, truth[instant], sums[instant], constants,
+                group_weights, errors, linear,
+            )  # fmt: skip
+
+
+@scalar
+def _keep_run(run, state, sums):
+    """Rows of ``sums``: first run, its linear error; then of the others, as differences to
+    the first: sum, sum of squares, sum of linear errors."""
+    if run == 0:
+        for j in range(LANES):
+            sums[0, j] = state[_SPEED + j]
+            sums[1, j] = state[_LINEAR + j]
+            sums[2, j] = 0.0
+            sums[3, j] = 0.0
+            sums[4, j] = 0.0
+    else:
+        for j in range(LANES):
+            more = state[_SPEED + j] - sums[0, j]
+            sums[2, j] += more
+            sums[3, j] += more * more
+            sums[4, j] += state[_LINEAR + j] - sums[1, j]
+
+
+@scalar
+def _finish(instant, start, filled, runs, truth, sums, constants, group_weights, errors, linear):
+    row = 3 * instant
+    for j in range(filled):
+        mean = sums[2, j] / runs
+        errors[row, start + j] = sums[0, j] - truth
+        errors[row + 1, start + j] = sums[0, j] + mean - truth
+        spread = sums[3, j] - runs * mean * mean
+        errors[row + 2, start + j] = math.sqrt(max(spread, 0.0) / (runs - 1)) if runs > 1 else 0.0
+    if linear.shape[1] > 0:
+        for j in range(filled):
+            systematic = 0.0
+            for k in range(GROUP_INPUTS):
+                systematic += group_weights[instant, k] * np.float64(constants[k * LANES + j])
+            linear[row, start + j] = systematic + sums[1, j]
+            linear[row + 1, start + j] = systematic + sums[1, j] + sums[4, j] / runs
+            linear[row + 2, start + j] = 0.0

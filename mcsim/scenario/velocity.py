@@ -1,0 +1,221 @@
+"""Scenarios of the velocity case."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from annotated_types import Ge, Le, Len
+from pydantic import field_validator, model_validator
+
+from mcsim.scenario.block import Block, Whole
+from mcsim.scenario.case import CaseScenario
+from mcsim.scenario.error_names import ErrorName, ErrorRow
+from mcsim.scenario.fields import (
+    Acceleration,
+    Angle,
+    Frequency,
+    NotNegative,
+    Positive,
+    SensorOutput,
+    Speed,
+    Time,
+    reject,
+)
+
+#: Rows of the source's budget tables.
+BUDGET_ROWS = 26
+_LONGEST = 3600.0
+
+
+class Swing(Block):
+    """A sinusoid that begins at zero with the motion."""
+
+    frequency: Annotated[Frequency, Positive] = 1.0
+
+
+class PitchSwing(Swing):
+    """Pitch of the vehicle while it moves."""
+
+    amplitude: Annotated[Angle, Ge(-1.0), Le(1.0)] = 0.0
+
+
+class VerticalSwing(Swing):
+    """Vertical acceleration of uneven ground."""
+
+    amplitude: Acceleration = 0.0
+
+
+class StraightRun(Block):
+    """A straight run from rest to rest with trapezoidal velocity."""
+
+    top_speed: Annotated[Speed, Ge(1e-6)]
+    """Speed between acceleration and braking."""
+    acceleration: Annotated[Acceleration, Positive] = 2.0
+    """Magnitude of the acceleration and of the braking."""
+    duration: Annotated[Time, Positive, Le(_LONGEST)] = 1.5
+    """From standstill to standstill."""
+    rest: Annotated[Time, NotNegative, Le(_LONGEST)] = 10.0
+    """Standstill before, from which the initial tilt is taken."""
+    mounting_angle: Annotated[Angle, Ge(-1.0), Le(1.0)] = 0.0
+    """Tilt κ of the sensor against the horizontal, constant."""
+    pitch: PitchSwing = PitchSwing()
+    """Change α(t) of the tilt while moving; the measurement does not see it."""
+    vertical: VerticalSwing = VerticalSwing()
+    """Vertical acceleration while moving."""
+
+    @model_validator(mode="after")
+    def _reaches_top_speed(self) -> StraightRun:
+        ramps = 2.0 * self.top_speed / self.acceleration
+        if ramps > self.duration * (1.0 + 1e-9):
+            raise reject(
+                f"speeding up and braking take 2 top_speed / acceleration = {ramps:.4g} s, longer "
+                "than the duration; lower `top_speed`, or raise `acceleration` or `duration`"
+            )
+        return self
+
+
+class Axes(Block):
+    """A value for each sensor axis."""
+
+    x: Annotated[SensorOutput, NotNegative]
+    y: Annotated[SensorOutput, NotNegative]
+    z: Annotated[SensorOutput, NotNegative]
+
+
+class Output(Block):
+    """Raw output of the three axes, in fractions of g."""
+
+    x: SensorOutput
+    y: SensorOutput
+    z: SensorOutput
+
+
+class RawAccelerometer(Block):
+    """A tri-axial accelerometer with output in fractions of g."""
+
+    rate: Annotated[Frequency, Positive, Ge(0.1), Le(100_000.0)]
+    noise: Axes
+    """Standard deviation of one raw sample, u(am)."""
+    sampling: Literal["average", "none"] = "average"
+    """A sample is the mean over the interval that it stands for, or momentary."""
+    time_error: Annotated[Time, NotNegative] = 0.0
+    """Standard uncertainty u(Δt) of each interval between samples."""
+    time_errors: Literal["independent", "stamps"] = "independent"
+    """Intervals err independently, as the source assumes; or time stamps do, so that an
+    interval that is too long is followed by one that is too short."""
+
+
+class Number(Block):
+    """A dimensionless quantity: estimate and standard uncertainty."""
+
+    estimate: float
+    uncertainty: Annotated[float, NotNegative] = 0.0
+
+
+class Bias(Block):
+    """A zero bias: estimate and standard uncertainty."""
+
+    estimate: SensorOutput
+    uncertainty: Annotated[SensorOutput, NotNegative] = 0.0
+
+
+class Gravity(Block):
+    """Acceleration of gravity where the sensor was calibrated."""
+
+    estimate: Annotated[Acceleration, Positive] = 9.80665
+    uncertainty: Annotated[Acceleration, NotNegative] = 0.0
+
+
+class Calibration(Block):
+    """Correction ac = L (am − B) of the axes x and z, Eq. (3)–(5)."""
+
+    lxx: Number
+    lxy: Number = Number(estimate=0.0)
+    lxz: Number = Number(estimate=0.0)
+    lzx: Number = Number(estimate=0.0)
+    lzy: Number = Number(estimate=0.0)
+    lzz: Number
+    bx: Bias
+    by: Bias = Bias.model_validate({"estimate": "0 g"})
+    bz: Bias
+
+    @model_validator(mode="after")
+    def _invertible(self) -> Calibration:
+        determinant = self.lxx.estimate * self.lzz.estimate - self.lxz.estimate * self.lzx.estimate
+        if abs(determinant) < 0.01:
+            raise reject("the matrix of the l is singular: no sensor has such a correction")
+        return self
+
+
+class Tilt(Block):
+    """The angle between sensor and horizontal while moving, Eq. (16)–(20)."""
+
+    change: Annotated[Angle, NotNegative] = 0.0
+    """Standard uncertainty u(δα) of its change after the rest; the estimate is zero."""
+    order: Literal["first", "second", "exact"] = "first"
+    """`first` is Eq. (15), `second` Eq. (12) solved for aX, `exact` the whole rotation."""
+
+
+class BudgetPoint(Block):
+    """Where the uncertainty budget of one step is evaluated, and what was printed for it."""
+
+    output: Output
+    """Raw output am, rows 4–6 and 13–15."""
+    rest_x: Bias
+    """Corrected acx,0 at rest, row 20."""
+    rest_z: Bias
+    """Corrected acz,0 at rest, row 21."""
+    interval: Annotated[Time, Positive] | None = None
+    """Δt, row 26; one sampling interval if absent."""
+    printed: (
+        Annotated[tuple[Annotated[float, Positive], ...], Len(BUDGET_ROWS, BUDGET_ROWS)] | None
+    ) = None
+    """Variances that a publication prints for the 26 rows, to be compared."""
+
+
+class VelocityScenario(CaseScenario):
+    """1-D velocity from a tri-axial accelerometer, with an uncertainty budget."""
+
+    ERRORS: ClassVar[tuple[ErrorName, ...]] = ("velocity", "mean_velocity", "repeatability")
+    DRAWN: ClassVar[tuple[ErrorName, ...]] = ERRORS
+    # The ends of the 95 % coverage interval that JCGM 101 asks for are among them.
+    PERCENTILES: ClassVar[tuple[float, ...]] = (0.025, 0.50, 0.95, 0.975)
+
+    case: Literal["velocity"]
+    trajectory: StraightRun
+    sensor: RawAccelerometer
+    calibration: Calibration
+    gravity: Gravity = Gravity()
+    tilt: Tilt = Tilt()
+    runs: Annotated[int, Whole, Ge(1), Le(1000)] = 12
+    """Runs M of a group; all runs of a group share calibration, tilt and gravity."""
+    instants: Annotated[tuple[Annotated[Time, Positive], ...], Len(1, 100)] | None = None
+    """When errors are reported, after the start; the end of the run if absent."""
+    budget: BudgetPoint | None = None
+    """For `mcsim budget`: where the budget of one step is evaluated."""
+
+    @field_validator("instants")
+    @classmethod
+    def _ascending(cls, value: tuple[float, ...] | None) -> tuple[float, ...] | None:
+        if value is not None and list(value) != sorted(set(value)):
+            raise reject("instants must ascend, each once")
+        return value
+
+    @model_validator(mode="after")
+    def _instants_within_the_run(self) -> VelocityScenario:
+        for instant in self.reported:
+            if instant > self.trajectory.duration * (1.0 + 1e-9):
+                raise reject(
+                    f"instants: {instant:g} s lies after the run, "
+                    f"which lasts {self.trajectory.duration:g} s"
+                )
+        return self
+
+    @property
+    def reported(self) -> tuple[float, ...]:
+        """Instants at which errors are reported (s)."""
+        return self.instants or (self.trajectory.duration,)
+
+    @property
+    def error_rows(self) -> tuple[ErrorRow, ...]:
+        return tuple(ErrorRow(name, t) for t in self.reported for name in self.ERRORS)
