@@ -63,6 +63,32 @@ def save(results: Results, folder: Path) -> list[Path]:
     return written
 
 
+def write_table(table: pd.DataFrame, folder: Path, name: str) -> Path:
+    """Write one table as CSV into ``folder``, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written.
+    """
+    with readable_errors(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        return write_whole(folder / f"{name}.csv", _csv_writer(table))
+
+
+def write_text(text: str, folder: Path, name: str) -> Path:
+    """Write one text file into ``folder``, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written.
+    """
+    with readable_errors(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        return write_whole(folder / name, lambda path: _write_text(path, text))
+
+
 def write_whole(path: Path, write: Callable[[Path], None]) -> Path:
     """Write beside ``path`` and move into place, so that no half-written file is ever seen."""
     descriptor, name = tempfile.mkstemp(

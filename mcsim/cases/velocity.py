@@ -217,6 +217,15 @@ def raw_output(motion: RunMotion, calibration: Calibration, gravity: float) -> A
 
     The matrix M0 is the inverse of L; the row of L for y, which no equation uses, is (0, 1, 0).
     """
+    upward = 1.0 + motion.vertical / gravity
+    forward = motion.acceleration / gravity
+    cos, sin = np.cos(motion.tilt), np.sin(motion.tilt)
+    true = np.stack([forward * cos + upward * sin, 0.0 * upward, upward * cos - forward * sin])
+    return raw_output_of(true.T, *correction_of(calibration))
+
+
+def correction_of(calibration: Calibration) -> tuple[Array, Array]:
+    """L (3, 3) and B (3,) of a calibration; the row of L for y is (0, 1, 0)."""
     c = calibration
     correction = np.array(
         [
@@ -225,12 +234,12 @@ def raw_output(motion: RunMotion, calibration: Calibration, gravity: float) -> A
             [c.lzx.estimate, c.lzy.estimate, c.lzz.estimate],
         ]
     )
-    upward = 1.0 + motion.vertical / gravity
-    forward = motion.acceleration / gravity
-    cos, sin = np.cos(motion.tilt), np.sin(motion.tilt)
-    true = np.stack([forward * cos + upward * sin, 0.0 * upward, upward * cos - forward * sin])
-    bias = np.array([c.bx.estimate, c.by.estimate, c.bz.estimate])
-    return np.linalg.solve(correction, true).T + bias
+    return correction, np.array([c.bx.estimate, c.by.estimate, c.bz.estimate])
+
+
+def raw_output_of(true: Array, correction: Array, bias: Array) -> Array:
+    """Raw output (n, 3) of true accelerations (n, 3), Eq. (2); all in fractions of g."""
+    return np.linalg.solve(correction, true.T).T + bias
 
 
 def step_count(model: VelocityScenario) -> int:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcsim.cli.budget import budget
+from mcsim.cli.calibrate import calibrate, linearity
 from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
 from mcsim.version import __version__
 
@@ -134,6 +136,10 @@ def run(
         if not quiet:
             _report(results, output / scenario.name)
     _raise_failures(failures)
+
+
+for command in (budget, calibrate, linearity):
+    commands.add_command(command)
 
 
 @commands.command()

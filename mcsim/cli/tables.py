@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mcsim import catalogue
 from mcsim.results import Results, at_the_end
 from mcsim.scenario import UNITS
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _SUMMARY = ("mean", "std", "rms", "p95", "method")
 _QUANTITIES = {"range": "range", "noise_density": "noise density", "rate": "largest rate"}
@@ -62,6 +65,20 @@ def sensor_list() -> str:
             [[s.name, ", ".join(s.elements), s.description] for s in catalogue.sensors().values()]
         )
     )
+
+
+def budget_summary(table: pd.DataFrame) -> str:
+    """An uncertainty budget, one line per row."""
+    rows = [list(map(str, table.columns))]
+    rows += [
+        ["" if value is None or value != value else _short(value) for value in row]
+        for row in table.astype(object).where(table.notna(), None).itertuples(index=False)
+    ]
+    return "\n".join(_columns(rows))
+
+
+def _short(value: Any) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def _columns(rows: list[list[str]]) -> list[str]:

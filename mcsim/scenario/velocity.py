@@ -16,6 +16,7 @@ from mcsim.scenario.fields import (
     Frequency,
     NotNegative,
     Positive,
+    Ratio,
     SensorOutput,
     Speed,
     Time,
@@ -156,6 +157,29 @@ class Tilt(Block):
     """`first` is Eq. (15), `second` Eq. (12) solved for aX, `exact` the whole rotation."""
 
 
+class Shaker(Block):
+    """The harmonic test that shows the non-linearity of the scale factor of axis x."""
+
+    full_scale: Annotated[SensorOutput, Positive]
+    nonlinearity: Annotated[Ratio, NotNegative]
+    """What the test is to find, as a share of the full scale."""
+    lowest: Annotated[Frequency, Positive] = 1.0
+    highest: Annotated[Frequency, Positive] = 10.0
+    points: Annotated[int, Whole, Ge(4), Le(1000)] = 10
+    amplitude: Annotated[SensorOutput, Positive] = 1.0
+    """Amplitude at the highest frequency; in proportion at the others."""
+    duration: Annotated[Time, Positive, Le(_LONGEST)] = 10.0
+    """Time at each frequency."""
+    series: Annotated[int, Whole, Ge(1), Le(1000)] = 10
+    """Series that are averaged."""
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Shaker:
+        if self.highest <= self.lowest:
+            raise reject("`highest` must be above `lowest`")
+        return self
+
+
 class BudgetPoint(Block):
     """Where the uncertainty budget of one step is evaluated, and what was printed for it."""
 
@@ -193,6 +217,8 @@ class VelocityScenario(CaseScenario):
     """When errors are reported, after the start; the end of the run if absent."""
     budget: BudgetPoint | None = None
     """For `mcsim budget`: where the budget of one step is evaluated."""
+    shaker: Shaker | None = None
+    """For `mcsim linearity`: the harmonic test of this sensor."""
 
     @field_validator("instants")
     @classmethod
