@@ -12,6 +12,7 @@ import click
 
 from mcsim.cli.budget import budget
 from mcsim.cli.calibrate import calibrate, linearity
+from mcsim.cli.table import table
 from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
 from mcsim.version import __version__
 
@@ -138,7 +139,7 @@ def run(
     _raise_failures(failures)
 
 
-for command in (budget, calibrate, linearity):
+for command in (budget, calibrate, linearity, table):
     commands.add_command(command)
 
 
@@ -181,19 +182,21 @@ def sensors(name: str | None) -> None:
 
 
 @commands.command()
-@click.argument("numbers", nargs=-1, metavar="[1 2 3 4 5|all]")
+@click.argument("numbers", nargs=-1, metavar="[1 … 5, 10 … 14|all]")
 @_JOBS
 @_OUTPUT
 @_QUIET
 def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: bool) -> None:
-    """Reproduce figures of the planar paper: run their scenarios and draw them."""
+    """Reproduce figures of the planar paper (1 to 5) and the velocity paper (10 to 14)."""
     from mcsim.cli.drawing import Drawing
-    from mcsim.cli.paper import figure_scenarios, title_of
+    from mcsim.cli.paper import figure_numbers, figure_scenarios, title_of
+    from mcsim.cli.velocity_paper import FIGURES, draw_figure
     from mcsim.sweep import default_jobs
 
     failures, pictures = [], []
+    wanted = figure_numbers(numbers, FIGURES)
     with Drawing(jobs or default_jobs()) as drawing:
-        for number, parts in figure_scenarios(numbers).items():
+        for number, parts in figure_scenarios(wanted).items():
             folders = [output / scenario.name for scenario in parts]
             for scenario, folder in zip(parts, folders, strict=True):
                 results = _run_one(scenario, jobs, output, quiet, lambda _, at: drawing.one(at))
@@ -205,6 +208,10 @@ def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: boo
                 folder = output / f"figure{number}"
                 drawing.side_by_side(folders, title_of(parts), folder)
                 pictures.append(folder / "figure.png")
+        for number in wanted:
+            if number in FIGURES:
+                draw_figure(number, output)
+                pictures.append(output / f"figure{number}" / "figure.png")
     if not quiet:
         click.echo("\n".join(map(str, pictures)))
     _raise_failures(failures)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from mcsim.errors import InputError
@@ -18,30 +19,41 @@ def shipped_scenarios() -> Path:
     raise InputError("the shipped scenarios are not installed; reinstall mcsim")
 
 
-def figure_scenarios(numbers: tuple[str, ...]) -> dict[int, list[Scenario]]:
-    """Scenarios by the number of their figure; all figures if none is named.
+def _planar_figures() -> dict[int, list[Path]]:
+    """Files of the planar paper's figures, by number."""
+    by_number: dict[int, list[Path]] = {}
+    for path in sorted((shipped_scenarios() / "paper").glob("figure*.yaml")):
+        match = re.match(r"figure(\d+)", path.stem)
+        if match:
+            by_number.setdefault(int(match[1]), []).append(path)
+    return by_number
+
+
+def figure_numbers(asked: tuple[str, ...], others: Iterable[int]) -> list[int]:
+    """The numbers asked for, each once; all of the planar figures and of ``others`` if none is.
 
     Raises
     ------
     InputError
         Not the number of a figure.
     """
-    by_number: dict[int, list[Path]] = {}
-    for path in sorted((shipped_scenarios() / "paper").glob("figure*.yaml")):
-        match = re.match(r"figure(\d+)", path.stem)
-        if match:
-            by_number.setdefault(int(match[1]), []).append(path)
-    wanted = list(by_number)
-    if numbers and "all" not in numbers:
-        wanted = []
-        for text in numbers:
-            if not (text.isascii() and text.isdigit()) or int(text) not in by_number:
-                known = ", ".join(map(str, by_number))
-                raise InputError(f'figures: "{text}" is not one of {known}, all')
-            wanted.append(int(text))
+    known = [*_planar_figures(), *others]
+    if not asked or "all" in asked:
+        return known
+    for text in asked:
+        if not (text.isascii() and text.isdigit()) or int(text) not in known:
+            numbers = ", ".join(map(str, known))
+            raise InputError(f'figures: "{text}" is not one of {numbers}, all')
+    return list(dict.fromkeys(map(int, asked)))
+
+
+def figure_scenarios(numbers: Iterable[int]) -> dict[int, list[Scenario]]:
+    """Scenarios of those of the figures that belong to the planar paper."""
+    files = _planar_figures()
     return {
-        number: [Scenario.from_yaml(path) for path in by_number[number]]
-        for number in dict.fromkeys(wanted)
+        number: [Scenario.from_yaml(path) for path in files[number]]
+        for number in numbers
+        if number in files
     }
 
 

@@ -44,7 +44,7 @@ def _draw_bars(axes: Axes, rows: Sequence[BudgetRow]) -> None:
     position = np.arange(len(shown))
     axes.barh(position, [100.0 * share for share, _ in shown], color=_SUMMED, height=0.62)
     for y, (share, _) in zip(position, shown, strict=True):
-        text = f"{share:.1%}" if share >= 0.001 else f"{share:.0e}"
+        text = f"{share:.1%}" if share >= 0.001 else "< 0.1%"
         axes.annotate(text, (100.0 * share, y), (3, 0), textcoords="offset points", va="center")
     axes.set_yticks(position, [name for _, name in shown])
     axes.invert_yaxis()

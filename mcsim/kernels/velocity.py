@@ -41,7 +41,7 @@ FIRST_ORDER, SECOND_ORDER, EXACT = range(3)
 #: Steps of four channels (three axes and the interval) that one draw of twelve normals serves.
 _STEPS = 3
 
-_KX, _KY, _KZ, _K0, _SPEED, _LINEAR, _STAMP, _TIME = (LANES * row for row in range(8))
+_KX, _KY, _KZ, _K0, _SPEED, _LINEAR, _STAMP, _LINEAR_STAMP = (LANES * row for row in range(8))
 _N_STATE = LANES * 8
 
 
@@ -97,41 +97,80 @@ def _start_groups(constants, inputs, uncertainties, order, state):
 
 
 @scalar
-def _time_normals(row, normals, difference, state):
-    """What scales the error of each lane's interval: a normal, or the last two's difference."""
-    for j in range(LANES):
-        normal = np.float64(normals[row + 3 * LANES + j])
-        state[_TIME + j] = normal - difference * state[_STAMP + j]
-        state[_STAMP + j] = normal
+def _step(v, e, before, difference, k0, kx, ky, kz, x, y, z, interval, time_error):
+    """Velocity after one step, Eq. (24); ``e`` and ``before`` scale the interval's error."""
+    step = interval + time_error * (e - difference * before)
+    return v + (k0 + kx * x + ky * y + kz * z) * step
 
 
 @scalar
-def _advance(i, row, normals, raw, white, interval, time_error, state):
-    """One step of every lane's run, Eq. (24)."""
+def _advance_three(i, normals, raw, white, interval, time_error, difference, state):
+    """Three steps of every lane's run, all that one draw of normals serves."""
+    x0, y0, z0 = raw[i, 0], raw[i, 1], raw[i, 2]
+    x1, y1, z1 = raw[i + 1, 0], raw[i + 1, 1], raw[i + 1, 2]
+    x2, y2, z2 = raw[i + 2, 0], raw[i + 2, 1], raw[i + 2, 2]
+    wx, wy, wz = white[0], white[1], white[2]
+    for j in range(LANES):
+        k0, kx, ky, kz = state[_K0 + j], state[_KX + j], state[_KY + j], state[_KZ + j]
+        v = state[_SPEED + j]
+        before = state[_STAMP + j]
+        e0 = np.float64(normals[3 * LANES + j])
+        e1 = np.float64(normals[7 * LANES + j])
+        e2 = np.float64(normals[11 * LANES + j])
+        x = x0 + wx * normals[j]
+        y = y0 + wy * normals[LANES + j]
+        z = z0 + wz * normals[2 * LANES + j]
+        v = _step(v, e0, before, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
+        x = x1 + wx * normals[4 * LANES + j]
+        y = y1 + wy * normals[5 * LANES + j]
+        z = z1 + wz * normals[6 * LANES + j]
+        v = _step(v, e1, e0, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
+        x = x2 + wx * normals[8 * LANES + j]
+        y = y2 + wy * normals[9 * LANES + j]
+        z = z2 + wz * normals[10 * LANES + j]
+        v = _step(v, e2, e1, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
+        state[_SPEED + j] = v
+        state[_STAMP + j] = e2
+
+
+@scalar
+def _advance(i, row, normals, raw, white, interval, time_error, difference, state):
+    """One step of every lane's run."""
     sx, sy, sz = raw[i, 0], raw[i, 1], raw[i, 2]
     wx, wy, wz = white[0], white[1], white[2]
     for j in range(LANES):
-        acceleration = (
-            state[_K0 + j]
-            + state[_KX + j] * (sx + wx * normals[row + j])
-            + state[_KY + j] * (sy + wy * normals[row + LANES + j])
-            + state[_KZ + j] * (sz + wz * normals[row + 2 * LANES + j])
+        e = np.float64(normals[row + 3 * LANES + j])
+        state[_SPEED + j] = _step(
+            state[_SPEED + j],
+            e,
+            state[_STAMP + j],
+            difference,
+            state[_K0 + j],
+            state[_KX + j],
+            state[_KY + j],
+            state[_KZ + j],
+            sx + wx * normals[row + j],
+            sy + wy * normals[row + LANES + j],
+            sz + wz * normals[row + 2 * LANES + j],
+            interval,
+            time_error,
         )
-        step = interval + time_error * state[_TIME + j]
-        state[_SPEED + j] += acceleration * step
+        state[_STAMP + j] = e
 
 
 @scalar
-def _advance_linear(i, row, normals, weights, state):
-    """Add the step's share of the linear error."""
+def _add_linear(i, row, normals, weights, difference, state):
+    """Add the step's share of the linear error; before the step itself, which moves the stamp."""
     a, b, c, d = weights[i, 0], weights[i, 1], weights[i, 2], weights[i, 3]
     for j in range(LANES):
+        e = np.float64(normals[row + 3 * LANES + j])
         state[_LINEAR + j] += (
             a * normals[row + j]
             + b * normals[row + LANES + j]
             + c * normals[row + 2 * LANES + j]
-            + d * state[_TIME + j]
+            + d * (e - difference * state[_LINEAR_STAMP + j])
         )
+        state[_LINEAR_STAMP + j] = e
 
 
 @kernel
@@ -223,16 +262,29 @@ def simulate(
                 state[_SPEED + j] = 0.0
                 state[_LINEAR + j] = 0.0
                 state[_STAMP + j] = 0.0
+                state[_LINEAR_STAMP + j] = 0.0
             done = 0
             for instant in range(n_instants):
-                for i in range(done, instants[instant]):
-                    if i % _STEPS == 0:
+                i = done
+                while i < instants[instant]:
+                    part = i % _STEPS
+                    if part == 0:
                         draw_group(random_state, normals)
-                    row = (i % _STEPS) * 4 * LANES
-                    _time_normals(row, normals, difference, state)
-                    _advance(i, row, normals, raw, white, interval, stamp_error, state)
+                    row = 4 * part * LANES
+                    size = _STEPS if part == 0 and i + _STEPS <= instants[instant] else 1
                     if with_linear:
-                        _advance_linear(i, row, normals, step_weights, state)
+                        for k in range(size):
+                            linear_row = row + 4 * k * LANES
+                            _add_linear(i + k, linear_row, normals, step_weights, difference, state)
+                    if size == _STEPS:
+                        _advance_three(
+                            i, normals, raw, white, interval, stamp_error, difference, state
+                        )
+                    else:
+                        _advance(
+                            i, row, normals, raw, white, interval, stamp_error, difference, state
+                        )
+                    i += size
                 done = instants[instant]
                 _keep_run(run, state, sums[instant])
                 if with_curves:

@@ -1,0 +1,373 @@
+"""The velocity case: kernel against a plain twin, covariance, budget against print and GTC."""
+
+import itertools
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from GTC import core as gtc
+from GTC import ureal
+
+import mcsim
+from mcsim import InputError, Scenario
+from mcsim.cases import problem_of
+from mcsim.cases.velocity_linear import accelerations
+from mcsim.engine import run_point
+from mcsim.gum import course_of_uncertainty, step_budget
+from mcsim.gum.tables import BUDGET_COLUMNS, budget_table, comparison_table, comparison_words
+from mcsim.trajectory.straight_run import interval_means, run_motion
+from tests.reference import velocity_numpy
+
+FOLDER = Path(__file__).parent.parent / "scenarios" / "velocity"
+SENSORS = ("a1", "a2")
+
+
+def scenario(name="a1", **overrides):
+    paths = {path.replace("__", "."): value for path, value in overrides.items()}
+    return Scenario.from_yaml(FOLDER / f"{name}.yaml", paths)
+
+
+def problem(name="a1", **overrides):
+    s = scenario(name, **overrides)
+    return problem_of(s.base, s.folder)
+
+
+# Truth
+
+
+def test_the_run_is_a_trapezoid():
+    run = scenario().base.trajectory
+    t = np.linspace(0.0, 1.5, 15_001)
+    motion = run_motion(run, t)
+    assert motion.velocity[0] == 0.0
+    assert motion.velocity[-1] == pytest.approx(0.0, abs=1e-12)
+    assert motion.velocity.max() == pytest.approx(0.4)
+    np.testing.assert_allclose(np.cumsum(motion.acceleration) * 1e-4, motion.velocity, atol=2.1e-4)
+    assert set(np.round(motion.acceleration, 9)) == {-2.0, -1.0, 0.0, 1.0, 2.0}
+    means = interval_means(run, t[::150])
+    np.testing.assert_allclose(
+        np.cumsum(means.acceleration) * 0.015, motion.velocity[150::150], atol=1e-12
+    )
+
+
+def test_sensor_and_exact_correction_are_inverse():
+    """Without errors the exact tilt correction gives the true velocity, swings included."""
+    values = {"tilt__order": "exact", "trajectory__vertical": {"amplitude": "0 m/s^2"}}
+    assert np.abs(problem(**values).method_errors()).max() < 1e-12
+    small = problem(trajectory__mounting_angle="0.03 rad").method_errors()
+    # sin(theta) - theta cos(theta) = theta^3 / 3 to leading order
+    assert small[-2] == pytest.approx(9.81213 * 0.03**3 / 3 * 1.5, rel=0.01)
+
+
+def test_a_pitch_swing_leaks_gravity():
+    """An unseen constant pitch a makes g a t; half a period of a sinusoid makes g a 2 / omega."""
+    p = problem(
+        trajectory__pitch={"amplitude": "1e-4 rad", "frequency": "0.5 Hz"},
+        trajectory__mounting_angle="0 rad",
+        instants=["1 s"],
+    )
+    expected = 9.81213 * 1e-4 * 2.0 / math.pi
+    assert p.method_errors()[0] == pytest.approx(expected, rel=2e-4)
+
+
+# Kernel
+
+
+@pytest.mark.parametrize("order", ["first", "second", "exact"])
+@pytest.mark.parametrize("stamps", ["independent", "stamps"])
+def test_kernel_agrees_with_the_plain_twin(order, stamps):
+    p = problem("a2", tilt__order=order, sensor__time_errors=stamps, runs=3)
+    groups = np.arange(130)
+    expected = velocity_numpy.velocities(p, 77, groups)
+    curves = p.velocities(77, 0, len(groups))
+    # Normals are float32: 1e-6 of a normal's effect on a step.
+    np.testing.assert_allclose(curves, expected.swapaxes(0, 1), atol=2e-6)
+    errors = p.simulate(77, 0, len(groups)).errors
+    at = p.steps - 1
+    truth = p.truth[p.steps][:, None]
+    np.testing.assert_allclose(errors[0::3], expected[0, at] - truth, atol=2e-6)
+    np.testing.assert_allclose(errors[1::3], expected[:, at].mean(axis=0) - truth, atol=2e-6)
+    np.testing.assert_allclose(errors[2::3], expected[:, at].std(axis=0, ddof=1), atol=2e-6)
+
+
+def test_groups_do_not_depend_on_how_they_are_simulated():
+    p = problem()
+    whole = p.simulate(3, 0, 300, controls=True)
+    parts = [p.simulate(3, first, 100, controls=True) for first in (0, 100, 200)]
+    np.testing.assert_array_equal(whole.errors, np.concatenate([q.errors for q in parts], 1))
+    np.testing.assert_array_equal(whole.controls, np.concatenate([q.controls for q in parts], 1))
+    mc = scenario().base.monte_carlo
+    one, two = (run_point(p, mc, 5, threads=n) for n in (1, 2))
+    np.testing.assert_array_equal(one.estimates.low, two.estimates.low)
+    fewer = replace(p, runs=5).simulate(3, 0, 300).errors
+    np.testing.assert_array_equal(fewer[0], whole.errors[0])  # the first run is the same
+
+
+def test_one_run_has_no_scatter():
+    results = mcsim.run(scenario(runs=1, monte_carlo__realizations=200))
+    rows = results.table[results.table["error"] == "repeatability"]
+    assert rows["value"].isna().all()
+    assert (rows["note"] == "a single run has no scatter; raise `runs`").all()
+
+
+# Linear model
+
+
+@pytest.mark.parametrize("name", SENSORS)
+@pytest.mark.parametrize("stamps", ["independent", "stamps"])
+def test_covariance_agrees_with_a_million_groups(name, stamps):
+    """Within 1 %; the sampling error of a deviation is 0.07 %."""
+    p = problem(name, sensor__time_errors=stamps, instants=["0.7 s", "1.5 s"])
+    linear = p.linear
+    sums, squares, count = np.zeros(6), np.zeros(6), 1_000_000
+    for first in range(0, count, 100_000):
+        errors = p.simulate(11, first, 100_000).errors - p.method_errors()[:, None]
+        sums += errors.sum(axis=1)
+        squares += (errors**2).sum(axis=1)
+    np.testing.assert_allclose(np.sqrt(squares / count), np.sqrt(linear.second_moment), rtol=0.01)
+    np.testing.assert_allclose((sums / count)[2::3], linear.mean[2::3], rtol=0.01)
+    # Taking steps as independent, as Eq. (30) does, must miss it.
+    summed = course_of_uncertainty(scenario(name, sensor__time_errors=stamps).base, 200)
+    assert abs(summed.summed_total[-1] / np.sqrt(linear.second_moment[3]) - 1.0) > 0.1
+
+
+def test_controls_have_the_moments_of_the_linear_model():
+    p = problem("a2", sensor__time_errors="stamps")
+    controls = p.simulate(4, 0, 200_000, controls=True).controls
+    rows = [0, 1, 3, 4, 6, 7]
+    np.testing.assert_allclose(
+        np.mean(controls**2, axis=1)[rows], p.linear.second_moment[rows], rtol=5 * math.sqrt(2e-5)
+    )
+    assert (controls[2::3] == 0.0).all()
+    errors = p.simulate(4, 0, 1000).errors
+    for row in rows:
+        assert np.corrcoef(errors[row], controls[row, :1000])[0, 1] > 0.999
+
+
+def test_complex_step_agrees_with_differences():
+    p = problem()
+    for k in range(14):
+        step = 1e-6 * max(1.0, abs(p.inputs[k]))
+        high, low = p.inputs.copy(), p.inputs.copy()
+        high[k] += step
+        low[k] -= step
+        slope = (accelerations(p.raw, high, 0) - accelerations(p.raw, low, 0)) / (2 * step)
+        weight = p.uncertainties[k] * p.interval * slope.sum()
+        assert p.weights.group[-1, k] == pytest.approx(weight, rel=1e-6, abs=1e-12)
+
+
+# Budget
+
+
+def digits(printed: str) -> float:
+    """Half a unit of the last digit of a number as the tables print it."""
+    mantissa, _, exponent = printed.partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    return 0.5 * 10.0 ** (int(exponent or 0) - decimals)
+
+
+#: Estimates and uncertainties of Tables 3 and 4 as printed, signs corrected.
+PRINTED = {
+    "a1": """0.98 1.0e-3|0.008 2.7e-3|-0.019 2.0e-3|-0.01 3.8e-3|0.027 3.0e-3|0.833 4.9e-3
+        |0.047 3.6e-3|-0.018 1.2e-3|-0.146 7.5e-3|-0.004 1.6e-2|0.004 1.8e-3|1.008 1.3e-3
+        |-0.01 3.8e-3|0.027 3.0e-3|0.833 4.9e-3|0.047 3.6e-3|-0.018 1.2e-3|-0.146 7.5e-3
+        |0 1.8e-3|-0.132 5.5e-3|0.985 9.3e-3|-0.074 5.5e-3|0.988 9.2e-3|-0.133 5.9e-3
+        |9.81213 3.0e-6|0.01 1.6e-3""",
+    "a2": """1.061 5.0e-3|-0.001 6.2e-3|-0.0011 1.0e-4|0.103 1.7e-3|-0.036 1.8e-3|0.558 2.8e-3
+        |0.067 5.0e-3|-0.025 5.0e-3|-0.448 2.6e-3|-0.006 7.6e-3|-0.015 7.6e-3|0.991 5.3e-3
+        |0.103 1.7e-3|-0.036 1.8e-3|0.558 2.8e-3|0.067 5.0e-3|-0.025 5.0e-3|-0.448 2.6e-3
+        |0 1.8e-3|-0.007 5.6e-3|1.001 6.6e-3|0.037 5.6e-3|0.998 6.6e-3|-0.007 5.9e-3
+        |9.81213 3.0e-6|0.016 4.0e-3""",
+}
+#: Which rows' estimates a row's sensitivity takes (numbers of rows).
+TAKES = {
+    1: (4, 7), 2: (5, 8), 3: (6, 9), 4: (1,), 5: (2,), 6: (3,), 7: (1,), 8: (2,), 9: (3,),
+    10: (4, 7), 11: (5, 8), 12: (6, 9), 13: (10,), 14: (11,), 15: (12,), 16: (10,), 17: (11,),
+    18: (12,), 19: (), 20: (20, 21), 21: (20, 21), 22: (25, 26), 23: (24, 25, 26),
+    24: (23, 25, 26), 25: (22, 23, 24, 26), 26: (22, 23, 24, 25),
+}  # fmt: skip
+
+
+def sensitivity(number: int, e: dict[int, float]) -> float:
+    """The derivative of each row, written once more from Eq. (4), (5), (20), (24)."""
+    if number in (1, 2, 3, 10, 11, 12):
+        raw, bias = TAKES[number]
+        return e[raw] - e[bias]
+    if number <= 18:
+        return e[TAKES[number][0]]
+    if number == 19:
+        return 1.0
+    if number in (20, 21):
+        return e[21 if number == 20 else 20] / (e[20] ** 2 + e[21] ** 2)
+    tilted = e.get(22, 0.0) - e.get(23, 0.0) * e.get(24, 0.0)
+    return {
+        22: lambda: e[25] * e[26],
+        23: lambda: e[24] * e[25] * e[26],
+        24: lambda: e[23] * e[25] * e[26],
+        25: lambda: tilted * e[26],
+        26: lambda: tilted * e[25],
+    }[number]()
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_every_printed_variance_follows_within_rounding(name):
+    """All 26 rows: the printed variance lies where rounding of its inputs lets it be."""
+    budget = step_budget(scenario(name).base)
+    cells = [cell.split() for cell in PRINTED[name].split("|")]
+    half = {i: digits(v) for i, (v, _) in enumerate(cells, start=1)}
+    half[19] = 0.0
+    estimate = {i: float(v) for i, (v, _) in enumerate(cells, start=1)}
+    for row, (_, u) in zip(budget.rows, cells, strict=True):
+        taken = TAKES[row.number]
+        variances = []
+        for signs in itertools.product((-1.0, 1.0), repeat=len(taken) + 1):
+            moved = {k: estimate[k] + s * half[k] for k, s in zip(taken, signs, strict=False)}
+            uncertainty = float(u) + signs[-1] * digits(u)
+            variances.append((sensitivity(row.number, moved) * uncertainty) ** 2)
+        text = f"{row.printed:.1e}"
+        slack = digits(text)
+        low, high = min(variances), max(variances)
+        assert low - slack <= row.printed <= high + slack, row
+        assert low <= row.variance * 1.0001, row
+        assert row.variance <= high * 1.0001, row
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_printed_signs_do_not_give_the_printed_rows(name):
+    """The control: with the signs as printed, rows 1, 2, 10, 11 and 22 are off by far."""
+    output = scenario(name).base.budget.output
+    printed = {
+        "x": f"{-output.x} g",
+        "y": f"{-output.y} g",
+        "z": f"{output.z if name == 'a1' else -output.z} g",
+    }
+    budget = step_budget(scenario(name, budget__output=printed).base)
+    for number in (1, 2, 10, 11):
+        row = budget.rows[number - 1]
+        assert abs(row.variance / row.printed - 1.0) > 0.3, row
+    assert abs(budget.estimates["acx"] - float(PRINTED[name].split("|")[21].split()[0])) > 0.01
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_budget_agrees_with_gtc(name):
+    """Estimates, combined uncertainties and every component against the GUM Tree Calculator."""
+    model = scenario(name).base
+    budget = step_budget(model)
+    inputs = {row.number: ureal(row.estimate, row.uncertainty) for row in budget.rows[:21]}
+    acx = sum(inputs[1 + k] * (inputs[4 + k] - inputs[7 + k]) for k in range(3))
+    acz = sum(inputs[10 + k] * (inputs[13 + k] - inputs[16 + k]) for k in range(3))
+    theta = gtc.atan(inputs[20] / inputs[21]) + inputs[19]
+    for output, result, numbers in (
+        ("acx", acx, range(1, 10)),
+        ("acz", acz, range(10, 19)),
+        ("theta", theta, range(19, 22)),
+    ):
+        assert budget.estimates[output] == pytest.approx(gtc.value(result), rel=1e-12)
+        assert budget.uncertainty(output) == pytest.approx(gtc.uncertainty(result), rel=1e-12)
+        for number in numbers:
+            component = gtc.component(result, inputs[number])
+            assert math.sqrt(budget.rows[number - 1].variance) == pytest.approx(
+                abs(component), rel=1e-12
+            )
+    # Eq. (29) takes acx, acz and theta as independent inputs.
+    last = [ureal(row.estimate, row.uncertainty) for row in budget.rows[21:]]
+    step = (last[0] - last[1] * last[2]) * last[3] * last[4]
+    assert budget.estimates["Dv"] == pytest.approx(gtc.value(step), rel=1e-12)
+    assert budget.uncertainty("Dv") == pytest.approx(gtc.uncertainty(step), rel=1e-12)
+
+
+def test_combined_uncertainties_are_the_papers():
+    """u(theta) 5.9e-3 rad for both; uc after 1.5 s 0.02 and 0.04 m/s, Eq. (30) and (31)."""
+    for name, printed in (("a1", 0.02), ("a2", 0.04)):
+        budget = step_budget(scenario(name).base)
+        assert round(budget.uncertainty("theta"), 4) == 5.9e-3
+        course = course_of_uncertainty(scenario(name).base, 500)
+        assert round(course.summed_total[-1], 2) == printed
+        assert round(course.summed_mean[-1], 2) == printed
+
+
+def test_erring_time_stamps_explain_the_scatter_of_the_runs():
+    """Table 2 prints s(v) = 0.006 and 0.009 m/s; independent intervals give three times that."""
+    for name, printed in (("a1", 0.006), ("a2", 0.009)):
+        course = course_of_uncertainty(scenario(name).base, 2000)
+        assert course.other_scatter[-1] == pytest.approx(printed, rel=0.15)
+        assert course.scatter[-1] > 3.0 * printed
+
+
+def test_same_calibration_in_acceleration_and_tilt_cancels():
+    course = course_of_uncertainty(scenario("a2").base, 2000)
+    assert course.summed["zero bias"][-1] > 0.01
+    assert course.simulated["zero bias"][-1] < 1e-4
+    share = abs(course.interaction[-1]) / course.total[-1] ** 2
+    assert share < 0.1  # ten deviations of a variance of 2000 groups are 0.3
+
+
+def test_tables_and_words():
+    budget, course = step_budget(scenario().base), course_of_uncertainty(scenario().base, 500)
+    table = budget_table(budget, course)
+    assert tuple(table.columns) == BUDGET_COLUMNS
+    assert list(table["i"][:26]) == list(range(1, 27))
+    assert list(table["quantity"][26:]) == [
+        "u(acx)", "u(acz)", "u(theta)", "u(Dv)", "uc(vX,N)", "uc(mean vX,N)",
+    ]  # fmt: skip
+    comparison = comparison_table(course)
+    assert len(comparison) % 151 == 0
+    total = comparison[(comparison["method"] == "Eq. (30)") & (comparison["source"] == "all")]
+    assert total["uncertainty [m/s]"].iloc[-1] == course.summed_total[-1]
+    words = comparison_words(course)
+    assert f"{course.summed_total[-1]:.3g} m/s" in words
+    assert "understates" in words
+    assert "cancel" in words
+
+
+# Scenario
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ({"trajectory__top_speed": "2 m/s"}, "longer than the duration"),
+        ({"instants": ["2 s"]}, "lies after the run"),
+        ({"instants": ["1 s", "0.5 s"]}, "must ascend"),
+        ({"sensor__noise": {"x": "0.03 m/s²", "y": "1 mg", "z": "1 mg"}}, "is an acceleration"),
+        ({"calibration__lzz": {"estimate": 0.0}}, "singular"),
+        ({"calibration__bx__estimate": "0.4 m/s²"}, "a sensor output is needed here"),
+        ({"budget__printed": [1e-9]}, "at least 26 items"),
+        ({"sensor__rate": "1 Hz"}, "use a rate above 2 Hz"),
+        ({"figure": {"panels": [{"errors": "heading"}]}}, "has no error `heading`"),
+    ],
+)
+def test_bad_scenarios_are_explained(overrides, message):
+    with pytest.raises(InputError, match=message):
+        mcsim.run(scenario(**overrides))
+
+
+def test_sweeps_and_tables_work_as_in_the_planar_case(tmp_path):
+    s = Scenario.from_yaml(
+        FOLDER / "a1.yaml",
+        ["sweep.sensor.time_error=[0 ms, 1 ms]", "monte_carlo.realizations=300"],
+    )
+    results = mcsim.run(s, output=tmp_path, jobs=1)
+    table = results.table
+    assert set(table["error"]) == {"velocity", "mean_velocity", "repeatability"}
+    assert set(table["statistic"]) == {
+        "mean", "std", "rms", "p2.5", "p50", "p95", "p97.5", "method",
+    }  # fmt: skip
+    assert sorted(set(table["time [s]"])) == [0.5, 1.0, 1.5]
+    assert (tmp_path / "a1" / "figure.png").stat().st_size > 10_000
+    again = mcsim.run(s, jobs=2).table
+    pd.testing.assert_frame_equal(table, again)
+
+
+def test_linear_answers_agree_with_monte_carlo():
+    rows = {}
+    for estimator in ("linear", "plain"):
+        values = {"monte_carlo__estimator": estimator, "monte_carlo__realizations": 100_000}
+        table = mcsim.run(scenario("a2", **values)).table
+        rows[estimator] = table[table["statistic"] != "method"]["value"].to_numpy()
+        names = table[table["statistic"] != "method"]["statistic"].to_numpy()
+    not_means = ~np.isin(names, ["mean", "p50"])
+    np.testing.assert_allclose(rows["linear"][not_means], rows["plain"][not_means], rtol=0.02)
