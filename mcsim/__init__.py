@@ -17,10 +17,13 @@ Conventions (the whole package keeps them)
   acceleration, yaw rate.
 * Time 0 is where the manoeuvre starts; sample 0, the known initial state, lies one
   lead before it.
+* Velocity case: sensor axes x forward, z up, so that a level sensor at rest reads
+  (0, 0, 1) in fractions of the local g; tilt is positive where gravity shows in +x.
 * A noise density is one-sided, as data sheets print it: one sample at rate fs has
   variance ND^2 fs / 2.  Allan's N belongs to a two-sided density, variance N^2 fs.
 * Errors are reconstruction minus truth at the last sample, in the order along,
-  across, position, heading, course.  Standard deviations are those of the
+  across, position, heading, course (velocity case: of a run, of the mean of runs,
+  standard deviation of the runs).  Standard deviations are those of the
   population: rms^2 = mean^2 + std^2.  Percentiles are those of the signed error.
 * ``method`` is the error of the undisturbed reconstruction: sampling and
   integration alone, no sensor error.

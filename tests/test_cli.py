@@ -212,7 +212,7 @@ def test_plot_draws_a_stored_result_again(scenario_file, tmp_path, capsys):
 
 def test_unknown_figures_are_refused(capsys):
     assert exit_code(["figures", "7"]) == 2
-    assert '"7" is not one of 1, 2, 3, 4, 5, all' in capsys.readouterr().err
+    assert '"7" is not one of 1, 2, 3, 4, 5, 10' in capsys.readouterr().err
 
 
 def test_composed_figures_are_drawn(tmp_path, monkeypatch):

@@ -5,9 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mcsim.errors import InputError
-from mcsim.scenario import Scenario
+
+if TYPE_CHECKING:
+    from mcsim.scenario import Scenario
 
 
 def shipped_scenarios() -> Path:
@@ -49,6 +52,8 @@ def figure_numbers(asked: tuple[str, ...], others: Iterable[int]) -> list[int]:
 
 def figure_scenarios(numbers: Iterable[int]) -> dict[int, list[Scenario]]:
     """Scenarios of those of the figures that belong to the planar paper."""
+    from mcsim.scenario import Scenario
+
     files = _planar_figures()
     return {
         number: [Scenario.from_yaml(path) for path in files[number]]

@@ -44,6 +44,7 @@ def _runs(name: str) -> Callable[[Path], list[Path]]:
         import pandas as pd
 
         from mcsim.cases.velocity import VelocityProblem
+        from mcsim.cli.budget import write_budget
         from mcsim.engine import point_key
         from mcsim.figures import write_figure
         from mcsim.figures.budget import draw_runs
@@ -68,6 +69,7 @@ def _runs(name: str) -> Callable[[Path], list[Path]]:
         write_table(table, folder, "table")
         title = scenario.base.title or name
         figure = draw_runs(course.time, runs, course.truth, course.summed_mean, title)
+        write_budget(scenario, folder / "budget")
         return write_figure(figure, folder, "figure")
 
     return draw
