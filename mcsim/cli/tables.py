@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Mapping
 from typing import Any
 
 from mcsim import catalogue
 from mcsim.results import UNITS, Results
 
 _SUMMARY = ("mean", "std", "rms", "p95", "method")
-_QUANTITIES = {"range": "range", "noise_density": "noise density", "rate": "largest rate"}
+_LISTED = {"noise_density": "noise density", "range": "range", "bandwidth": "bandwidth"}
 
 
 def summary(results: Results) -> str:
@@ -54,12 +56,13 @@ def _estimate(row: Any, with_interval: bool) -> str:
 
 
 def sensor_list() -> str:
-    """One line per built-in sensor."""
-    return "\n".join(
-        _columns(
-            [[s.name, ", ".join(s.elements), s.description] for s in catalogue.sensors().values()]
-        )
-    )
+    """One line per built-in sensor and element: what a scenario takes from it."""
+    rows = [["sensor", "element", *_LISTED.values(), "origin", ""]]
+    for sensor in catalogue.sensors().values():
+        for element, quantities in sensor.elements.items():
+            cells = [_value(quantities.get(key, "–")) for key in _LISTED]
+            rows.append([sensor.name, element, *cells, sensor.origin, sensor.description])
+    return "\n".join(_columns(rows))
 
 
 def _columns(rows: list[list[str]]) -> list[str]:
@@ -72,22 +75,31 @@ def _columns(rows: list[list[str]]) -> list[str]:
 
 
 def sensor_details(name: str) -> str:
-    """Everything the catalogue knows about one sensor."""
+    """Everything the catalogue knows about one sensor, source by source."""
     sensor = catalogue.find(name)
-    lines = [f"{sensor.name}: {sensor.description}"]
+    lines = [f"{sensor.name}: {sensor.description} ({sensor.origin})"]
     for element, quantities in sensor.elements.items():
-        lines.append(f"  {element}")
-        lines += [
-            f"    {_QUANTITIES.get(key, key):<15} {_value(quantities.get(key))}"
-            for key in dict.fromkeys([*_QUANTITIES, *quantities])
-        ]
-    lines += [f"  origin: {sensor.origin}", f"  source: {sensor.source}"]
+        known = {key: quantities.get(key) for key in dict.fromkeys([*_LISTED, *quantities])}
+        lines += [f"  {element}, as a scenario takes it", *_quantities(known)]
+        for record in sensor.records[element]:
+            lines += [f"  {element}, {record.origin}", *_quantities(record.values)]
+            lines += _paragraph(f"source: {record.citation}")
+            lines += _paragraph(f"note: {record.note}") if record.note is not None else []
     return "\n".join(lines)
+
+
+def _paragraph(text: str) -> list[str]:
+    return textwrap.wrap(text, 96, initial_indent="    ", subsequent_indent="      ")
+
+
+def _quantities(quantities: Mapping[str, Any]) -> list[str]:
+    rows = [[f"    {key.replace('_', ' ')}", _value(value)] for key, value in quantities.items()]
+    return _columns(rows)
 
 
 def _value(value: Any) -> str:
     if value is None:
         return "not given by the source"
     if isinstance(value, list):
-        return " … ".join(dict.fromkeys(map(str, value)))
+        return " / ".join(map(str, value)) if len(value) == 3 else " … ".join(map(str, value))
     return str(value)

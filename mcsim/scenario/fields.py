@@ -73,6 +73,11 @@ AccelerationNoiseDensity = Annotated[float, Quantity("acceleration noise density
 RateNoiseDensity = Annotated[float, Quantity("angular rate noise density")]
 VelocityRandomWalk = Annotated[float, Quantity("velocity random walk")]
 AngleRandomWalk = Annotated[float, Quantity("angle random walk")]
+AccelerationRandomWalk = Annotated[float, Quantity("acceleration random walk")]
+RateRandomWalk = Annotated[float, Quantity("rate random walk")]
+GSensitivity = Annotated[float, Quantity("g-sensitivity")]
+Jerk = Annotated[float, Quantity("jerk")]
+RotationalSpeed = Annotated[float, Quantity("rotational speed")]
 Ratio = Annotated[float, Quantity("ratio")]
 Confidence = Annotated[float, Quantity("confidence")]
 
