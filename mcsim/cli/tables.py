@@ -25,7 +25,7 @@ def summary(results: Results) -> str:
             rows[-1].append(_estimate(row, with_interval=statistic != "method"))
     count = int(table["realizations"].iloc[0])
     behind = f"{count:,} realizations" if count else "linear model, no realizations"
-    return "\n".join([*_columns(rows), behind, "", *_budget_lines(results)])
+    return "\n".join([*columns(rows), behind, "", *_budget_lines(results)])
 
 
 def _budget_lines(results: Results) -> list[str]:
@@ -44,7 +44,7 @@ def _budget_lines(results: Results) -> list[str]:
             for e in errors
         ]
         rows.append([str(source), *cells])
-    return _columns(rows)
+    return columns(rows)
 
 
 def _estimate(row: Any, with_interval: bool) -> str:
@@ -62,10 +62,10 @@ def sensor_list() -> str:
         for element, quantities in sensor.elements.items():
             cells = [_value(quantities.get(key, "–")) for key in _LISTED]
             rows.append([sensor.name, element, *cells, sensor.origin, sensor.description])
-    return "\n".join(_columns(rows))
+    return "\n".join(columns(rows))
 
 
-def _columns(rows: list[list[str]]) -> list[str]:
+def columns(rows: list[list[str]]) -> list[str]:
     """Lines with the cells of each column padded to the same width."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
@@ -94,7 +94,7 @@ def _paragraph(text: str) -> list[str]:
 
 def _quantities(quantities: Mapping[str, Any]) -> list[str]:
     rows = [[f"    {key.replace('_', ' ')}", _value(value)] for key, value in quantities.items()]
-    return _columns(rows)
+    return columns(rows)
 
 
 def _value(value: Any) -> str:
