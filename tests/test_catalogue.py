@@ -72,7 +72,7 @@ def test_every_recorded_value_is_a_quantity_with_a_source(name):
         assert sensor.records[element]
         for given in sensor.records[element]:
             assert given.citation
-            for key, value in given.values.items():
+            for key, value in given.quantities.items():
                 if key in NOT_QUANTITIES:
                     continue
                 position = 1 if element == "gyroscope" else 0
@@ -103,8 +103,8 @@ def test_noise_column_of_table_5_2_follows_from_density_and_bandwidth(
     name, density, bandwidth, noise
 ):
     """The printed noise in µg is the density times the root of the bandwidth."""
-    values = record(name, "thesis-table-5.2", density).values
-    sheet = record(name, "thesis-table-5.2", "data sheet").values
+    values = record(name, "thesis-table-5.2", density).quantities
+    sheet = record(name, "thesis-table-5.2", "data sheet").quantities
     assert parse(sheet["bandwidth"], KINDS["frequency"]) == bandwidth
     text = values["noise_density"]
     text = text[0] if isinstance(text, list) else text
@@ -120,10 +120,11 @@ def test_noise_column_of_table_5_2_follows_from_density_and_bandwidth(
 def test_measured_densities_are_deviations_over_the_root_of_a_bandwidth(name, bandwidth):
     """Eq. (5.1); LSM9DS1 needs another bandwidth than the 408 Hz printed, as its note says."""
     deviations = axes(
-        record(name, "thesis-table-5.1", "measured").values["standard_deviation"], "acceleration"
+        record(name, "thesis-table-5.1", "measured").quantities["standard_deviation"],
+        "acceleration",
     )
     densities = axes(
-        record(name, "thesis-table-5.2", "measured").values["noise_density"],
+        record(name, "thesis-table-5.2", "measured").quantities["noise_density"],
         "acceleration noise density",
     )
     for deviation, density in zip(deviations, densities, strict=True):

@@ -27,7 +27,7 @@ ORIGINS = {"data_sheet": "data sheet", "measured": "measured"}
 class Record:
     """What one source says about an element.
 
-    ``origin`` is ``data sheet`` or ``measured``; ``values`` are texts with units under the
+    ``origin`` is ``data sheet`` or ``measured``; ``quantities`` are texts with units under the
     source's own words, a list [x, y, z] where it tells the axes apart; ``note`` says where
     the source contradicts itself or another one.
     """
@@ -35,7 +35,7 @@ class Record:
     origin: str
     source: str
     citation: str
-    values: Mapping[str, Any]
+    quantities: Mapping[str, Any]
     note: str | None
 
 
@@ -84,7 +84,7 @@ def _records(block: Mapping[str, Any], sources: Mapping[str, str]) -> tuple[Reco
             origin=words,
             source=record["source"],
             citation=" ".join(sources[record["source"]].split()),
-            values={k: v for k, v in record.items() if k not in ("source", "note")},
+            quantities={k: v for k, v in record.items() if k not in ("source", "note")},
             note=" ".join(record["note"].split()) if "note" in record else None,
         )
         for key, words in ORIGINS.items()

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mcsim.cli.convert import convert
+from mcsim.cli.table import table
+from mcsim.cli.vibration import vibration
 from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
 from mcsim.version import __version__
 
@@ -95,6 +97,8 @@ def commands() -> None:
 
 
 commands.add_command(convert)
+commands.add_command(table)
+commands.add_command(vibration)
 
 
 @commands.command()

@@ -82,7 +82,7 @@ def sensor_details(name: str) -> str:
         known = {key: quantities.get(key) for key in dict.fromkeys([*_LISTED, *quantities])}
         lines += [f"  {element}, as a scenario takes it", *_quantities(known)]
         for record in sensor.records[element]:
-            lines += [f"  {element}, {record.origin}", *_quantities(record.values)]
+            lines += [f"  {element}, {record.origin}", *_quantities(record.quantities)]
             lines += _paragraph(f"source: {record.citation}")
             lines += _paragraph(f"note: {record.note}") if record.note is not None else []
     return "\n".join(lines)
