@@ -150,10 +150,15 @@ def validate(files: tuple[Path, ...]) -> None:
     """Check scenario files without running them."""
     from mcsim.results import check
     from mcsim.scenario import Scenario
+    from mcsim.vibration.scenario import is_vibration, read_vibration
 
     problems = []
     for path in files:
         try:
+            if is_vibration(path):
+                read_vibration(path)
+                click.echo(f"{path}: valid")
+                continue
             scenario = Scenario.from_yaml(path)
             check(scenario)
             click.echo(f"{path}: valid, {scenario.n_points} point(s)")
@@ -164,13 +169,16 @@ def validate(files: tuple[Path, ...]) -> None:
 
 
 @commands.command()
-def schema() -> None:
+@click.argument("case", type=click.Choice(["planar", "vibration"]), default="planar")
+def schema(case: str) -> None:
     """Print the JSON schema (draft 7) of scenario files."""
     import json
 
     from mcsim.scenario.schema import scenario_schema
+    from mcsim.vibration.scenario import vibration_schema
 
-    click.echo(json.dumps(scenario_schema(), indent=2))
+    known = {"planar": scenario_schema, "vibration": vibration_schema}
+    click.echo(json.dumps(known[case](), indent=2))
 
 
 @commands.command()

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, model_validator
+from pydantic import AfterValidator, BeforeValidator, GetJsonSchemaHandler, model_validator
+from pydantic_core import CoreSchema
 
 from mcsim import catalogue
 from mcsim.errors import InputError
@@ -46,8 +47,18 @@ def _one_or_three(values: tuple[float, ...]) -> tuple[float, ...]:
     return values
 
 
+class _OneOrThree:
+    """Says in the JSON schema what the validators accept."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        three = handler(schema)
+        return {"anyOf": [three["items"], {**three, "minItems": 1, "maxItems": N_AXES}]}
+
+
 # Written as one quantity, or as one per axis.
-_PER_AXIS = (BeforeValidator(_per_axis), AfterValidator(_one_or_three))
+_PER_AXIS = (BeforeValidator(_per_axis), AfterValidator(_one_or_three), _OneOrThree())
 
 
 Accelerations = Annotated[tuple[Annotated[Acceleration, NotNegative], ...], *_PER_AXIS]

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 #: A tone belongs to an order when it lies within this share of its frequency.
 _ORDER_WIDTH = 0.03
-#: The floor beside a tone is the median density within this many half widths.
+#: The floor beside a tone is the median amplitude within this many half widths.
 _FLOOR_WIDTH = 5.0
 
 
@@ -101,7 +101,7 @@ def analyse(log: Log, chain: Chain, engine: Engine | None = None) -> Analysis:
         raw=raw,
         filtered=filtered,
         table=_table(log, raw, filtered, steps),
-        orders=_orders(log, raw, filtered, steps, engine, densities[0]) if engine else None,
+        orders=_orders(log, raw, filtered, steps, engine, amplitude[0]) if engine else None,
         spectrum=_tidy(log.channels, amplitude, "amplitude", "m/s^2"),
         density=_tidy(log.channels, densities, "density", "(m/s^2)^2/Hz"),
         amplitude=amplitude,
@@ -137,7 +137,7 @@ def _figures(signal: Array, unit: str, prefix: str) -> dict[str, float]:
 
 
 def _orders(
-    log: Log, raw: Array, filtered: Array, steps: Filters, engine: Engine, density: Spectrum
+    log: Log, raw: Array, filtered: Array, steps: Filters, engine: Engine, spectrum: Spectrum
 ) -> pd.DataFrame:
     """The tone at each order: where it is, how large, and how far above the noise."""
     import pandas as pd
@@ -158,22 +158,21 @@ def _orders(
                     "amplitude_raw [m/s^2]": before,
                     "amplitude_filtered [m/s^2]": after,
                     "gain": float(steps.gain(np.array([wanted]))[0]),
-                    "above_noise [dB]": _above_noise(density, i, wanted, width),
+                    "above_noise [dB]": _above_noise(spectrum, i, wanted, width),
                 }
             )
     return pd.DataFrame(rows)
 
 
-def _above_noise(density: Spectrum, channel: int, frequency: float, width: float) -> float:
-    """Largest density around a frequency over the median beside it (dB)."""
-    bin_width = float(density.frequency[1])
-    width = max(width, 2.0 * bin_width)
-    away = np.abs(density.frequency - frequency)
+def _above_noise(spectrum: Spectrum, channel: int, frequency: float, width: float) -> float:
+    """Largest amplitude around a frequency over the median beside it (dB)."""
+    width = max(width, 2.0 * float(spectrum.frequency[1]))
+    away = np.abs(spectrum.frequency - frequency)
     near, beside = away <= width, (away > width) & (away <= _FLOOR_WIDTH * width)
     if not near.any() or not beside.any():
         return float("nan")
-    values = density.levels[:, channel]
-    return float(10.0 * np.log10(values[near].max() / np.median(values[beside])))
+    levels = spectrum.levels[:, channel]
+    return float(20.0 * np.log10(levels[near].max() / np.median(levels[beside])))
 
 
 def _tidy(

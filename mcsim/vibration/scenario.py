@@ -9,8 +9,9 @@ from typing import Annotated, Any, Literal
 from annotated_types import Ge, Le, Len
 from pydantic import Field, model_validator
 
+from mcsim import catalogue
 from mcsim.errors import InputError
-from mcsim.scenario.document import Document, read_document
+from mcsim.scenario.document import read_document
 from mcsim.scenario.fields import (
     Acceleration,
     Angle,
@@ -158,9 +159,15 @@ class VibrationScenario(Block):
         return self
 
 
-def case_of(document: Document) -> Any:
-    """The case that a document names, or None."""
-    return document.tree.get("case")
+def is_vibration(path: Path) -> bool:
+    """Whether a scenario file says ``case: vibration``.
+
+    Raises
+    ------
+    InputError
+        Not readable.
+    """
+    return bool(read_document(path).tree.get("case") == CASE)
 
 
 def read_vibration(path: Path, sensor: str | None = None) -> VibrationScenario:
@@ -172,10 +179,9 @@ def read_vibration(path: Path, sensor: str | None = None) -> VibrationScenario:
         Not readable, another case, or not valid; one line per problem.
     """
     document = read_document(path)
-    if case_of(document) != CASE:
-        raise InputError(
-            f'{document.place(("case",))}: case: "{case_of(document)}" is not `case: {CASE}`'
-        )
+    case = document.tree.get("case")
+    if case != CASE:
+        raise InputError(f'{document.place(("case",))}: case: "{case}" is not `case: {CASE}`')
     if sensor is not None:
         tree = {**document.tree, "sensor": sensor}
         document = replace(document, tree=tree, overrides={("sensor",): "--sensor"})
@@ -188,4 +194,16 @@ def vibration_schema() -> dict[str, Any]:
         by_alias=True, ref_template="#/definitions/{model}"
     )
     definitions = schema.pop("$defs")
-    return {"$schema": SCHEMA_DRAFT, **schema, "definitions": definitions}
+    names = [s.name for s in catalogue.sensors().values() if "accelerometer" in s.elements]
+    block = definitions["AccelerometerErrors"]
+    definitions["AccelerometerErrors"] = {
+        "anyOf": [{"enum": names, "description": "A sensor of the catalogue"}, block]
+    }
+    excitation = schema["properties"]["excitation"]
+    excitation.pop("discriminator", None)
+    return {
+        "$schema": SCHEMA_DRAFT,
+        "title": "mcsim vibration scenario",
+        **{key: value for key, value in schema.items() if key != "title"},
+        "definitions": definitions,
+    }

@@ -237,14 +237,15 @@ def _remarks(source: Printed) -> Iterator[str]:
 
 
 def _list(numbers: Array) -> str:
-    return ", ".join(f"{number:.2g}" for number in numbers)
+    return ", ".join(f"{number:.3g}" for number in numbers)
 
 
 def _of_reference(source: Printed) -> Iterator[str]:
     deviation, density = float(source.deviation[0]), float(source.density[0])
     yield (
         f"{deviation:g} m/s² and {density * _MICRO_G:.5g} µg/√Hz need a bandwidth of "
-        f"{(deviation / density) ** 2:.3g} Hz, which is not printed (Table 4.2 has 10 kHz)"
+        f"{(deviation / density) ** 2:.3g} Hz, which is not printed (Table 4.2 has 10 kHz); "
+        f"simulated at {source.rate:g} Hz"
     )
     ratios = {"MTI-300": 116.0, "MPU-9250": 318.0, "LSM9DS1": 383.0, "BNO055": 140.0}
     means = [float(printed(name).deviation[2]) / ratio for name, ratio in ratios.items()]
