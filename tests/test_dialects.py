@@ -335,8 +335,9 @@ def test_biases_are_asked_about():
     assert found["bias instability B", "flicker"].startswith(f"{5 / 0.66428:.4g}"[:4])
     with pytest.raises(InputError, match="can only be angle_random_walk"):
         convert_quantity("5 °/√h", "noise_density")
-    with pytest.raises(InputError, match="no unit of noise"):
-        convert_quantity("5 m")
+    for wrong, message in (("5 m", "no unit of noise"), ("-1 °/√h", "zero or above")):
+        with pytest.raises(InputError, match=message):
+            convert_quantity(wrong)
 
 
 def test_convert_writes_files_for_other_tools(tmp_path, capsys):
@@ -363,6 +364,7 @@ def test_convert_shows_all_dialects_and_says_which_are_not_possible(capsys):
     [
         (["5 °/h"], "--as bias_instability"),
         (["nothing.yaml"], "no such file"),
+        ([""], "name a file, a sensor or a quantity"),
         (["LSM330D"], "did you mean"),
         (["1 mg/√Hz", "--rate", "0 Hz"], "above zero"),
         (["LSM330DL", "--assume", "n"], "write key=meaning"),

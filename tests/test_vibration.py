@@ -263,6 +263,16 @@ def test_amplitude_of_a_tone_on_a_bin_is_exact_and_between_bins_by_flat_top():
     assert amplitude_spectrum(half, RATE).levels.max() < 0.62
 
 
+def test_long_spectra_keep_their_peaks_in_the_table():
+    time = np.arange(100_000) / RATE
+    signal = np.sin(2 * np.pi * 123.45 * time)[:, None]
+    table = analyse(Log("long", ("x",), signal, RATE), Chain()).spectrum
+    assert len(table) <= 20_000
+    peak = table.loc[table["amplitude_raw [m/s^2]"].idxmax()]
+    assert peak["frequency [Hz]"] == pytest.approx(123.45)
+    assert peak["amplitude_raw [m/s^2]"] == pytest.approx(1.0, rel=1e-6)
+
+
 def test_welch_density_of_white_noise_is_one_sided():
     density = 1e-3
     noise = np.random.default_rng(2).normal(0.0, density * math.sqrt(RATE / 2), (200_000, 1))

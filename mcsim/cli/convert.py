@@ -54,6 +54,8 @@ def convert(
     hertz = parse(rate, KINDS["frequency"]) if rate is not None else None
     if hertz is not None and hertz <= 0.0:
         raise InputError(f'--rate "{rate}" must be above zero')
+    if not given.strip():
+        raise InputError("name a file, a sensor or a quantity such as '0.2 °/√h'")
     assumptions = Assumptions(_answers(assume), hertz, axis)
     if not _is_file(given) and _begins_with_number(given):
         click.echo(_quantity(given, role, hertz))

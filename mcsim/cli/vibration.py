@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 _SCENARIO_ENDINGS = (".yaml", ".yml")
 #: Seconds before progress is told, and between two lines of it.
 _PATIENCE = 2.0
+#: More values take some seconds to analyse.
+_MANY = 500_000
 
 
 @click.command()
@@ -84,6 +86,8 @@ def vibration(
             raise InputError("--sensor belongs to a scenario; a log has its own sensor")
         hertz = parse(rate, KINDS["frequency"]) if rate is not None else None
         log = read_csv_log(given, unit=unit, rate=hertz, channels=channels, time=stamps)
+    if not quiet and log.samples.size > _MANY:
+        _tell(f"{log.name}: analysing {log.samples.size:,} values")
     analysis = analyse(log, chain, engine)
     title = (scenario.title if scenario else None) or given.stem
     if scenario is not None and scenario.sensor.model:
@@ -139,9 +143,13 @@ def _progress(name: str, quiet: bool) -> Callable[[float], None]:
         nonlocal last
         if not quiet and time.monotonic() - last > _PATIENCE:
             last = time.monotonic()
-            print(f"{name}: {share:.0%} simulated", file=sys.stderr, flush=True)
+            _tell(f"{name}: {share:.0%} simulated")
 
     return tell
+
+
+def _tell(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
 
 
 def _write(analysis: Analysis, folder: Path, title: str, simulated: bool) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ast
 import math
+import warnings
 
 from mcsim.dialects.description import (
     CORRELATION_TIME,
@@ -120,7 +121,9 @@ def _gain(correlation_time: float, rate: float) -> float:
 
 def _dictionary(text: str, source: str) -> dict[str, object]:
     try:
-        tree = ast.parse(text)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SyntaxWarning)
+            tree = ast.parse(text)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         line = getattr(error, "lineno", None)
         raise InputError(f"{source}:{line or 1}: not Python text") from None

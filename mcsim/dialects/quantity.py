@@ -106,12 +106,13 @@ def convert_quantity(text: str, role: str | None = None, rate: float | None = No
 
 def _role(text: str, role: str | None) -> tuple[str, str]:
     value, unit = split(text)
-    del value
+    if value < 0.0:
+        raise UnitError(f'"{text}": a noise figure is zero or above')
     name = canonical_unit(unit)
     fitting = [kind for kind in (*_SURE, *_OPEN) if name in KINDS[kind].factors]
     if not unit or not fitting:
-        units = sorted({u for kind in (*_SURE, *_OPEN) for u in KINDS[kind].factors})
-        raise UnitError(f'"{text}": no unit of noise (known: {", ".join(units)})')
+        examples = ", ".join(KINDS[kind].example for kind in _SURE)
+        raise UnitError(f'"{text}" has no unit of noise; write for example {examples}')
     if fitting[0] in _OPEN:
         element = _OPEN[fitting[0]]
         if role in BIAS_ROLES:

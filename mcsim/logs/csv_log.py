@@ -98,11 +98,16 @@ def read_csv_log(
     if stamped is None:
         if rate is None:
             raise InputError(f"{path}: no time column (such as `time [s]`); give --rate '100 Hz'")
-        return Log(path.stem, names, values, rate)
+        return Log(_name(path), names, values, rate)
     column, unit_of_time = stamped
     stamps = _numbers(path, table[column].to_numpy(), column)
     stamps = stamps * _factor(path, column, unit_of_time, "time")
     return _evenly(path, names, stamps, values)
+
+
+def _name(path: Path) -> str:
+    """The file's name without its endings (``log.csv.xz`` is ``log``)."""
+    return path.name.removesuffix(path.suffix).removesuffix(".csv")
 
 
 def _split_header(header: str) -> tuple[str, str | None]:
@@ -193,7 +198,7 @@ def _evenly(path: Path, names: tuple[str, ...], stamps: Array, values: Array) ->
     grid = stamps[0] + step * np.arange(len(stamps))
     stray = float(np.abs(stamps - grid).max()) / step
     if stray <= _JITTER:
-        return Log(path.stem, names, values, 1.0 / step)
+        return Log(_name(path), names, values, 1.0 / step)
     if stray > _WANDER:
         # The rate itself changes on the way: the usual step keeps what the faster parts hold.
         step = median
@@ -202,4 +207,4 @@ def _evenly(path: Path, names: tuple[str, ...], stamps: Array, values: Array) ->
     notes = (
         f"time stamps stray by up to {stray * step:.3g} s; interpolated to {1.0 / step:.6g} Hz",
     )
-    return Log(path.stem, names, values, 1.0 / step, notes)
+    return Log(_name(path), names, values, 1.0 / step, notes)

@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 
 #: A tone belongs to an order when it lies within this share of its frequency.
 _ORDER_WIDTH = 0.03
+#: Rows of a spectrum's table, per channel.
+_MOST_ROWS = 20_000
 #: The floor beside a tone is the median amplitude within this many half widths.
 _FLOOR_WIDTH = 5.0
 
@@ -178,16 +180,33 @@ def _above_noise(spectrum: Spectrum, channel: int, frequency: float, width: floa
 def _tidy(
     channels: Sequence[str], pair: tuple[Spectrum, Spectrum], what: str, unit: str
 ) -> pd.DataFrame:
-    """Raw and filtered spectra, one row per channel and frequency."""
+    """Raw and filtered spectra, one row per channel and frequency.
+
+    Of a long log's, neighbouring frequencies share a row: that of the largest raw value.
+    """
     import pandas as pd
 
     raw, filtered = pair
-    count = len(raw.frequency)
-    return pd.DataFrame(
-        {
-            "channel": np.repeat(list(channels), count),
-            "frequency [Hz]": np.tile(raw.frequency, len(channels)),
-            f"{what}_raw [{unit}]": raw.levels.T.ravel(),
-            f"{what}_filtered [{unit}]": filtered.levels.T.ravel(),
-        }
-    )
+    width = -(-len(raw.frequency) // _MOST_ROWS)
+    tables = []
+    for i, channel in enumerate(channels):
+        rows = _largest_of_groups(raw.levels[:, i], width)
+        tables.append(
+            pd.DataFrame(
+                {
+                    "channel": channel,
+                    "frequency [Hz]": raw.frequency[rows],
+                    f"{what}_raw [{unit}]": raw.levels[rows, i],
+                    f"{what}_filtered [{unit}]": filtered.levels[rows, i],
+                }
+            )
+        )
+    return pd.concat(tables, ignore_index=True)
+
+
+def _largest_of_groups(levels: Array, width: int) -> NDArray[np.intp]:
+    """Index of the largest of each ``width`` neighbours."""
+    starts = np.arange(0, len(levels), width)
+    padded = np.full(len(starts) * width, -np.inf)
+    padded[: len(levels)] = levels
+    return starts + padded.reshape(-1, width).argmax(axis=1)
