@@ -72,6 +72,21 @@ _RATE = {
 }
 _ROOT_HERTZ = {"√Hz": 1.0}
 _ROOT_TIME = {"√s": 1.0, "√h": 60.0}
+#: Slow drifts: units of biases and their instability that no noise density is written in.
+_DRIFT = {"m/s/h": 1.0 / 3600.0, "Gal": 1e-2, "mGal": 1e-5}
+#: The same rate of change per square root of time in three notations: ``K`` of IEEE Std 952.
+_ACCELERATION_WALK = {
+    **_per(_ACCELERATION, _ROOT_TIME),
+    "m/s/h^1.5": 1.0 / 216000.0,
+    "m/s/h/√h": 1.0 / 216000.0,
+    "m/s³/√Hz": 1.0,
+}
+_RATE_WALK = {
+    **_per(_RATE, _ROOT_TIME),
+    "°/h^1.5": _DEG / 216000.0,
+    "°/s²/√Hz": _DEG,
+    "rad/s²/√Hz": 1.0,
+}
 
 _KINDS = (
     Kind("length", "a", "m", _LENGTH, "50 m", largest=1e8),
@@ -79,7 +94,7 @@ _KINDS = (
     Kind("angle", "an", "rad", _ANGLE, "0.1 °"),
     Kind("frequency", "a", "Hz", _FREQUENCY, "100 Hz"),
     Kind("speed", "a", "m/s", _SPEED, "20 m/s"),
-    Kind("acceleration", "an", "m/s²", _ACCELERATION, "0.01 m/s²"),
+    Kind("acceleration", "an", "m/s²", {**_ACCELERATION, **_DRIFT}, "0.01 m/s²"),
     Kind("angular rate", "an", "rad/s", _RATE, "0.1 °/s"),
     Kind(
         "acceleration noise density",
@@ -111,6 +126,21 @@ _KINDS = (
     ),
     # Raw output as the sensor gives it: fractions of the local gravity, never m/s².
     Kind("sensor output", "a", "g", {"g": 1.0, "mg": 1e-3, "µg": 1e-6}, "3.8e-3 g"),
+    Kind("acceleration random walk", "an", "m/s²/√s", _ACCELERATION_WALK, "5 m/s/h^1.5"),
+    Kind("rate random walk", "a", "rad/s/√s", _RATE_WALK, "10 °/h^1.5"),
+    Kind(
+        "g-sensitivity",
+        "a",
+        "rad/s/(m/s²)",
+        {
+            "°/s/g": _DEG / STANDARD_GRAVITY,
+            "°/h/g": _DEG / 3600.0 / STANDARD_GRAVITY,
+            "rad/s/(m/s²)": 1.0,
+        },
+        "0.1 °/s/g",
+    ),
+    Kind("jerk", "a", "m/s³", {"m/s³": 1.0, "g/s": STANDARD_GRAVITY}, "1 m/s³"),
+    Kind("rotational speed", "a", "Hz", {"rpm": 1.0 / 60.0, "Hz": 1.0}, "800 rpm"),
     Kind("ratio", "a", "1", {"%": 1e-2, "ppm": 1e-6}, "1 %"),
     Kind("confidence", "a", "σ", {"σ": 1.0, "%": math.nan}, "3 sigma"),
 )
@@ -127,6 +157,7 @@ _SPELLINGS = (
     ("\N{MASCULINE ORDINAL INDICATOR}", "°"),
     ("**", "^"),
     ("^2", "²"),
+    ("^3", "³"),
     ("^0.5", "^½"),
     ("sqrt", "√"),
     ("degrees", "°"),
@@ -163,6 +194,7 @@ def canonical_unit(text: str) -> str:
     for spelled, sign in _SPELLINGS:
         unit = unit.replace(spelled, sign)
     unit = re.sub(r"\s+", "", unit)
+    unit = re.sub(r"hr?\^[({]?(?:3/2|1\.5)[)}]?", "h^1.5", unit)
     unit = re.sub(r"√\((\w+)\)", r"√\1", unit)
     unit = re.sub(r"(Hz|h|s)\^½", r"√\1", unit)
     unit = unit.replace("m/s/s/", "m/s²/")

@@ -46,6 +46,16 @@ DEG = math.pi / 180
         ("360 °/h", "angular rate", 0.1 * DEG),
         ("-5 m", "length", -5.0),
         ("1 %", "ratio", 0.01),
+        # 5 m/s/h^1.5: per hour and per root hour
+        ("5 m/s/h^1.5", "acceleration random walk", 5 / 3600 / 60),
+        ("5 m/s/h^(3/2)", "acceleration random walk", 5 / 3600 / 60),
+        ("2e-3 m/s^3/sqrt(Hz)", "acceleration random walk", 2e-3),
+        ("10 deg/hr^1.5", "rate random walk", 10 * DEG / 3600 / 60),
+        ("10 deg/h/sqrt(h)", "rate random walk", 10 * DEG / 3600 / 60),
+        ("3.6 m/s/h", "acceleration", 1e-3),
+        ("15 mGal", "acceleration", 1.5e-4),
+        ("0.1 dps/g", "g-sensitivity", 0.1 * DEG / 9.80665),
+        ("800 rpm", "rotational speed", 800 / 60),
     ],
 )
 def test_quantities_as_people_write_them(text, kind, si):

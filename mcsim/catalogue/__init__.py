@@ -1,7 +1,9 @@
 """The built-in sensors, each value with its origin and source.
 
 The data live in ``sensors.yaml`` beside this file; quantities stay as text with
-their units and are parsed where they are used.
+their units and are parsed where they are used.  An element has the values that a
+scenario takes, and beside them the records of its sources, data sheet and measured
+told apart.
 """
 
 from __future__ import annotations
@@ -17,17 +19,39 @@ from mcsim.errors import InputError
 
 #: Kinds of sensing element that a sensor may hold.
 ELEMENTS = ("accelerometer", "gyroscope")
+#: Kinds of record that an element may hold, by their key in the file.
+ORIGINS = {"data_sheet": "data sheet", "measured": "measured"}
+
+
+@dataclass(frozen=True)
+class Record:
+    """What one source says about an element.
+
+    ``origin`` is ``data sheet`` or ``measured``; ``quantities`` are texts with units under the
+    source's own words, a list [x, y, z] where it tells the axes apart; ``note`` says where
+    the source contradicts itself or another one.
+    """
+
+    origin: str
+    source: str
+    citation: str
+    quantities: Mapping[str, Any]
+    note: str | None
 
 
 @dataclass(frozen=True)
 class Sensor:
-    """A catalogue entry; ``elements`` maps an element to its quantities as text."""
+    """A catalogue entry.
+
+    ``elements`` maps an element to the quantities that a scenario takes, as text;
+    ``records`` to what its sources print.
+    """
 
     name: str
     description: str
     origin: str
-    source: str
     elements: Mapping[str, Mapping[str, Any]]
+    records: Mapping[str, tuple[Record, ...]]
 
 
 @cache
@@ -37,16 +61,35 @@ def sensors() -> dict[str, Sensor]:
 
     text = files("mcsim.catalogue").joinpath("sensors.yaml").read_text(encoding="utf-8")
     data = YAML(typ="safe", pure=True).load(text)
-    return {
-        name: Sensor(
-            name=name,
-            description=entry["description"],
-            origin=entry["origin"],
-            source=" ".join(data["sources"][entry["source"]].split()),
-            elements={e: entry[e] for e in ELEMENTS if e in entry},
+    return {name: _sensor(name, entry, data["sources"]) for name, entry in data["sensors"].items()}
+
+
+def _sensor(name: str, entry: Mapping[str, Any], sources: Mapping[str, str]) -> Sensor:
+    blocks = {element: entry[element] for element in ELEMENTS if element in entry}
+    return Sensor(
+        name=name,
+        description=entry["description"],
+        origin=entry["origin"],
+        elements={
+            element: {key: value for key, value in block.items() if key not in ORIGINS}
+            for element, block in blocks.items()
+        },
+        records={element: _records(block, sources) for element, block in blocks.items()},
+    )
+
+
+def _records(block: Mapping[str, Any], sources: Mapping[str, str]) -> tuple[Record, ...]:
+    return tuple(
+        Record(
+            origin=words,
+            source=record["source"],
+            citation=" ".join(sources[record["source"]].split()),
+            quantities={k: v for k, v in record.items() if k not in ("source", "note")},
+            note=" ".join(record["note"].split()) if "note" in record else None,
         )
-        for name, entry in data["sensors"].items()
-    }
+        for key, words in ORIGINS.items()
+        for record in block.get(key, ())
+    )
 
 
 def find(name: str) -> Sensor:
@@ -67,7 +110,13 @@ def find(name: str) -> Sensor:
 
 
 def element(name: str, kind: str) -> Mapping[str, Any]:
-    """The quantities of one element (``accelerometer`` or ``gyroscope``) of a sensor.
+    """The quantities that a scenario takes from one element of a sensor.
+
+    Parameters
+    ----------
+    name : str
+        The sensor; case does not matter.
+    kind : {"accelerometer", "gyroscope"}
 
     Raises
     ------

@@ -12,7 +12,9 @@ import click
 
 from mcsim.cli.budget import budget
 from mcsim.cli.calibrate import calibrate, linearity
+from mcsim.cli.convert import convert
 from mcsim.cli.table import table
+from mcsim.cli.vibration import vibration
 from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
 from mcsim.version import __version__
 
@@ -139,7 +141,7 @@ def run(
     _raise_failures(failures)
 
 
-for command in (budget, calibrate, linearity, table):
+for command in (budget, calibrate, convert, linearity, table, vibration):
     commands.add_command(command)
 
 
@@ -149,10 +151,15 @@ def validate(files: tuple[Path, ...]) -> None:
     """Check scenario files without running them."""
     from mcsim.results import check
     from mcsim.scenario import Scenario
+    from mcsim.vibration.scenario import is_vibration, read_vibration
 
     problems = []
     for path in files:
         try:
+            if is_vibration(path):
+                read_vibration(path)
+                click.echo(f"{path}: valid")
+                continue
             scenario = Scenario.from_yaml(path)
             check(scenario)
             click.echo(f"{path}: valid, {scenario.n_points} point(s)")
@@ -163,13 +170,16 @@ def validate(files: tuple[Path, ...]) -> None:
 
 
 @commands.command()
-def schema() -> None:
+@click.argument("case", type=click.Choice(["scenario", "vibration"]), default="scenario")
+def schema(case: str) -> None:
     """Print the JSON schema (draft 7) of scenario files."""
     import json
 
     from mcsim.scenario.schema import scenario_schema
+    from mcsim.vibration.scenario import vibration_schema
 
-    click.echo(json.dumps(scenario_schema(), indent=2))
+    known = {"scenario": scenario_schema, "vibration": vibration_schema}
+    click.echo(json.dumps(known[case](), indent=2))
 
 
 @commands.command()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from mcsim import catalogue
@@ -12,7 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _SUMMARY = ("mean", "std", "rms", "p95", "method")
-_QUANTITIES = {"range": "range", "noise_density": "noise density", "rate": "largest rate"}
+_LISTED = {"noise_density": "noise density", "range": "range", "bandwidth": "bandwidth"}
 
 
 def summary(results: Results) -> str:
@@ -27,7 +29,7 @@ def summary(results: Results) -> str:
             rows[-1].append(_estimate(row, with_interval=statistic != "method"))
     count = int(table["realizations"].iloc[0])
     behind = f"{count:,} realizations" if count else "linear model, no realizations"
-    return "\n".join([*_columns(rows), behind, "", *_budget_lines(results)])
+    return "\n".join([*columns(rows), behind, "", *_budget_lines(results)])
 
 
 def _budget_lines(results: Results) -> list[str]:
@@ -47,7 +49,7 @@ def _budget_lines(results: Results) -> list[str]:
             for e in errors
         ]
         rows.append([str(source), *cells])
-    return _columns(rows)
+    return columns(rows)
 
 
 def _estimate(row: Any, with_interval: bool) -> str:
@@ -59,12 +61,13 @@ def _estimate(row: Any, with_interval: bool) -> str:
 
 
 def sensor_list() -> str:
-    """One line per built-in sensor."""
-    return "\n".join(
-        _columns(
-            [[s.name, ", ".join(s.elements), s.description] for s in catalogue.sensors().values()]
-        )
-    )
+    """One line per built-in sensor and element: what a scenario takes from it."""
+    rows = [["sensor", "element", *_LISTED.values(), "origin", ""]]
+    for sensor in catalogue.sensors().values():
+        for element, quantities in sensor.elements.items():
+            cells = [_value(quantities.get(key, "–")) for key in _LISTED]
+            rows.append([sensor.name, element, *cells, sensor.origin, sensor.description])
+    return "\n".join(columns(rows))
 
 
 def budget_summary(table: pd.DataFrame) -> str:
@@ -74,14 +77,14 @@ def budget_summary(table: pd.DataFrame) -> str:
         ["" if value is None or value != value else _short(value) for value in row]
         for row in table.astype(object).where(table.notna(), None).itertuples(index=False)
     ]
-    return "\n".join(_columns(rows))
+    return "\n".join(columns(rows))
 
 
 def _short(value: Any) -> str:
     return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
-def _columns(rows: list[list[str]]) -> list[str]:
+def columns(rows: list[list[str]]) -> list[str]:
     """Lines with the cells of each column padded to the same width."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
@@ -91,22 +94,31 @@ def _columns(rows: list[list[str]]) -> list[str]:
 
 
 def sensor_details(name: str) -> str:
-    """Everything the catalogue knows about one sensor."""
+    """Everything the catalogue knows about one sensor, source by source."""
     sensor = catalogue.find(name)
-    lines = [f"{sensor.name}: {sensor.description}"]
+    lines = [f"{sensor.name}: {sensor.description} ({sensor.origin})"]
     for element, quantities in sensor.elements.items():
-        lines.append(f"  {element}")
-        lines += [
-            f"    {_QUANTITIES.get(key, key):<15} {_value(quantities.get(key))}"
-            for key in dict.fromkeys([*_QUANTITIES, *quantities])
-        ]
-    lines += [f"  origin: {sensor.origin}", f"  source: {sensor.source}"]
+        known = {key: quantities.get(key) for key in dict.fromkeys([*_LISTED, *quantities])}
+        lines += [f"  {element}, as a scenario takes it", *_quantities(known)]
+        for record in sensor.records[element]:
+            lines += [f"  {element}, {record.origin}", *_quantities(record.quantities)]
+            lines += _paragraph(f"source: {record.citation}")
+            lines += _paragraph(f"note: {record.note}") if record.note is not None else []
     return "\n".join(lines)
+
+
+def _paragraph(text: str) -> list[str]:
+    return textwrap.wrap(text, 96, initial_indent="    ", subsequent_indent="      ")
+
+
+def _quantities(quantities: Mapping[str, Any]) -> list[str]:
+    rows = [[f"    {key.replace('_', ' ')}", _value(value)] for key, value in quantities.items()]
+    return columns(rows)
 
 
 def _value(value: Any) -> str:
     if value is None:
         return "not given by the source"
     if isinstance(value, list):
-        return " … ".join(dict.fromkeys(map(str, value)))
+        return " / ".join(map(str, value)) if len(value) == 3 else " … ".join(map(str, value))
     return str(value)

@@ -172,6 +172,11 @@ def _case(document: Document) -> type[CaseScenario]:
             f"{document.place(())}: case: is missing; write `case: planar` "
             f"(known: {', '.join(CASES)})"
         )
+    if case == "vibration":
+        raise InputError(
+            f"{document.place(('case',))}: case: vibration is analysed, not swept; "
+            "use `mcsim vibration`"
+        )
     if not isinstance(case, str) or case not in CASES:
         raise InputError(
             f'{document.place(("case",))}: case: "{case}" is not one of {", ".join(CASES)}'

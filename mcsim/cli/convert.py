@@ -1,0 +1,148 @@
+"""``mcsim convert``: a noise figure or a sensor file from one dialect to the others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mcsim.errors import InputError
+
+if TYPE_CHECKING:
+    from mcsim.dialects import Assumptions, Description
+
+_READABLE = ("mcsim", "kalibr", "matlab", "gnss-ins-sim", "kf-gins", "imu_utils")
+_WRITABLE = ("mcsim", "datasheet", "allan", "kalibr", "matlab", "gnss-ins-sim", "kf-gins")
+_LARGEST_FILE = 1 << 20
+
+
+@click.command()
+@click.argument("given", metavar="QUANTITY|FILE|SENSOR")
+@click.option("--from", "source", type=click.Choice(_READABLE), help="Recognised if absent.")
+@click.option("--to", "target", type=click.Choice(_WRITABLE), help="All of them if absent.")
+@click.option(
+    "--as", "role", metavar="KEY", help="What a quantity is, where its unit does not say."
+)
+@click.option(
+    "--assume", multiple=True, metavar="KEY=MEANING", help="Answer to what a file leaves open."
+)
+@click.option("--rate", metavar="'100 Hz'", help="Sampling rate, where it is needed.")
+@click.option(
+    "--axis",
+    type=click.Choice(["x", "y", "z", "largest"]),
+    help="For tools with one value for all axes.",
+)
+def convert(
+    given: str,
+    source: str | None,
+    target: str | None,
+    role: str | None,
+    assume: tuple[str, ...],
+    rate: str | None,
+    axis: str | None,
+) -> None:
+    """Convert noise figures between data sheets, Allan's N, B, K and other tools.
+
+    A quantity ("0.2 °/√h") is shown in all units and dialects. A file (mcsim sensor file,
+    Kalibr imu.yaml, MATLAB code, gnss-ins-sim, KF-GINS, imu_utils) or a built-in sensor is
+    written in the dialect asked for, to standard output.
+    """
+    from mcsim.dialects import Assumptions
+    from mcsim.units import KINDS, parse
+
+    hertz = parse(rate, KINDS["frequency"]) if rate is not None else None
+    if hertz is not None and hertz <= 0.0:
+        raise InputError(f'--rate "{rate}" must be above zero')
+    if not given.strip():
+        raise InputError("name a file, a sensor or a quantity such as '0.2 °/√h'")
+    assumptions = Assumptions(_answers(assume), hertz, axis)
+    if not _is_file(given) and _begins_with_number(given):
+        click.echo(_quantity(given, role, hertz))
+        return
+    sensor = _sensor(given, source, assumptions)
+    click.echo(_written(sensor, target, assumptions), nl=False)
+
+
+def _is_file(given: str) -> bool:
+    try:
+        return Path(given).exists()
+    except OSError:
+        return False
+
+
+def _begins_with_number(given: str) -> bool:
+    return given.strip()[:1] in set("0123456789.+-")
+
+
+def _answers(assume: tuple[str, ...]) -> dict[str, str]:
+    answers = {}
+    for text in assume:
+        key, equals, meaning = text.partition("=")
+        if not equals:
+            raise InputError(f'--assume "{text}": write key=meaning, for example n=continuous')
+        answers[key.strip()] = meaning.strip()
+    return answers
+
+
+def _quantity(given: str, role: str | None, rate: float | None) -> str:
+    from mcsim.cli.tables import columns
+    from mcsim.dialects.quantity import convert_quantity
+
+    conversion = convert_quantity(given, role, rate)
+    rows = [[f"  {row.what}", row.values, row.remark] for row in conversion.rows]
+    return "\n".join([conversion.meaning, *columns(rows)])
+
+
+def _sensor(given: str, source: str | None, assumptions: Assumptions) -> Description:
+    """The description behind a file's name or a built-in sensor's."""
+    from mcsim import catalogue
+    from mcsim.dialects import describe_file, read_sensor
+    from mcsim.scenario.document import Document
+    from mcsim.scenario.sensor_block import SensorFile
+    from mcsim.scenario.validation import validate
+
+    if _is_file(given):
+        reading = read_sensor(_text(Path(given)), given, source, assumptions)
+        for note in reading.notes:
+            click.echo(f"note: {note}", err=True)
+        return reading.description
+    if any(sign in given for sign in "/\\.") and given.casefold() not in {
+        name.casefold() for name in catalogue.sensors()
+    }:
+        raise InputError(f"{given}: no such file")
+    sensor = catalogue.find(given)
+    tree = {"name": sensor.name, **dict.fromkeys(sensor.elements, sensor.name)}
+    return describe_file(validate(Document(tree, sensor.name), SensorFile))
+
+
+def _text(path: Path) -> str:
+    try:
+        if path.is_dir():
+            raise InputError(f"{path}: is a directory; name a sensor file")
+        with path.open("rb") as file:
+            content = file.read(_LARGEST_FILE + 1)
+        if len(content) > _LARGEST_FILE:
+            raise InputError(f"{path}: larger than {_LARGEST_FILE >> 20} MiB; not a sensor file")
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: not UTF-8 text (byte {error.start}); save the file as UTF-8"
+        ) from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+
+
+def _written(sensor: Description, target: str | None, assumptions: Assumptions) -> str:
+    from mcsim.dialects import write_sensor
+
+    if target is not None:
+        return write_sensor(sensor, target, assumptions)
+    parts = []
+    for name in _WRITABLE:
+        try:
+            parts.append(f"# --to {name}\n{write_sensor(sensor, name, assumptions)}")
+        except InputError as error:
+            reason = "\n#   ".join(str(error).splitlines())
+            parts.append(f"# --to {name} is not possible so:\n#   {reason}\n")
+    return "\n".join(parts)

@@ -1,0 +1,148 @@
+"""mcsim's own sensor files, in SI units or in those of data sheets and Allan analysis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from mcsim.dialects.description import (
+    RANDOM_WALK,
+    Assumptions,
+    Description,
+    Reading,
+    Values,
+    describe_file,
+    two_sided,
+)
+from mcsim.dialects.numbers import number
+from mcsim.errors import InputError
+from mcsim.scenario.document import parse_document
+from mcsim.scenario.sensor_block import SensorFile
+from mcsim.scenario.validation import validate
+from mcsim.units import KINDS, factor
+
+CONVENTION = (
+    "noise_density is one-sided, as data sheets print it: variance ND² fs / 2 per sample; "
+    "velocity_random_walk and angle_random_walk are Allan's N, two-sided: N² fs; ND = √2 N"
+)
+
+#: The kind of each key's quantity, for the accelerometer and for the gyroscope.
+KIND_OF = {
+    "noise_density": ("acceleration noise density", "angular rate noise density"),
+    "velocity_random_walk": ("velocity random walk",) * 2,
+    "angle_random_walk": ("angle random walk",) * 2,
+    "miscalibration": ("acceleration", "angular rate"),
+    "turn_on_bias": ("acceleration", "angular rate"),
+    "scale_factor_error": ("ratio", "ratio"),
+    "misalignment": ("angle", "angle"),
+    "g_sensitivity": ("g-sensitivity", "g-sensitivity"),
+    "bias_instability": ("acceleration", "angular rate"),
+    "acceleration_random_walk": ("acceleration random walk",) * 2,
+    "rate_random_walk": ("rate random walk",) * 2,
+    "gauss_markov.deviation": ("acceleration", "angular rate"),
+    "gauss_markov.correlation_time": ("time", "time"),
+    "resolution": ("acceleration", "angular rate"),
+    "range": ("acceleration", "angular rate"),
+    "bandwidth": ("frequency", "frequency"),
+    "spikes.rate": ("frequency", "frequency"),
+    "spikes.amplitude": ("acceleration", "angular rate"),
+}
+#: Kinds whose SI unit has no sign of its own.
+_SI = {"ratio": "ppm"}
+_DATA_SHEET = {
+    "acceleration noise density": "µg/√Hz",
+    "angular rate noise density": "°/s/√Hz",
+    "acceleration": "mg",
+    "angular rate": "°/s",
+    "angle": "°",
+    "acceleration random walk": "µg/√s",
+    "rate random walk": "°/s/√s",
+}
+_ALLAN = {
+    "velocity random walk": "m/s/√h",
+    "angle random walk": "°/√h",
+    "acceleration random walk": "m/s/h^1.5",
+    "rate random walk": "°/h^1.5",
+}
+_ALLAN_BIAS = {"accelerometer": "m/s/h", "gyroscope": "°/h"}
+
+
+def kind_of(key: str, element: str) -> str:
+    """Name of the kind of quantity behind a key."""
+    return KIND_OF[key][element == "gyroscope"]
+
+
+def read(text: str, source: str, _: Assumptions) -> Reading:
+    """A sensor file.
+
+    Raises
+    ------
+    InputError
+        Not a valid sensor file; one line per problem.
+    """
+    if not text.strip():
+        raise InputError(f"{source}: is empty; a sensor file has an `accelerometer:` block")
+    return Reading(describe_file(validate(parse_document(text, source), SensorFile)))
+
+
+def write_si(sensor: Description, assumptions: Assumptions) -> str:
+    """A sensor file in SI units, every quantity in the convention it came in."""
+    return _write(sensor, assumptions, {})
+
+
+def write_data_sheet(sensor: Description, assumptions: Assumptions) -> str:
+    """A sensor file with one-sided noise densities, in the units of data sheets."""
+
+    def one_sided(element: str, quantities: Mapping[str, Values]) -> dict[str, Values]:
+        changed = {key: v for key, v in quantities.items() if key != RANDOM_WALK[element]}
+        walk = quantities.get(RANDOM_WALK[element])
+        if walk is not None:
+            changed = {"noise_density": tuple(math.sqrt(2.0) * v for v in walk), **changed}
+        return changed
+
+    elements = {e: one_sided(e, q) for e, q in sensor.elements.items()}
+    return _write(Description(sensor.name, sensor.rate, elements), assumptions, _DATA_SHEET)
+
+
+def write_allan(sensor: Description, assumptions: Assumptions) -> str:
+    """A sensor file with Allan's N, B and K, in m, s and h, or degrees."""
+
+    def as_walk(element: str, quantities: Mapping[str, Values]) -> dict[str, Values]:
+        changed = {key: v for key, v in quantities.items() if key != "noise_density"}
+        walk = two_sided(quantities, element)
+        return {RANDOM_WALK[element]: walk, **changed} if walk is not None else changed
+
+    elements = {e: as_walk(e, q) for e, q in sensor.elements.items()}
+    return _write(Description(sensor.name, sensor.rate, elements), assumptions, _ALLAN)
+
+
+def _write(sensor: Description, assumptions: Assumptions, units: Mapping[str, str]) -> str:
+    rate = sensor.rate if sensor.rate is not None else assumptions.rate
+    lines = [f"name: {_quoted(sensor.name)}"] if sensor.name else []
+    lines += [f"rate: {number(rate)} Hz"] if rate is not None else []
+    for element, quantities in sensor.elements.items():
+        lines.append(f"{element}:")
+        for outer in dict.fromkeys(key.rpartition(".")[0] for key in quantities):
+            indent = "    " if outer else "  "
+            lines += [f"  {outer}:"] if outer else []
+            lines += [
+                f"{indent}{key.rpartition('.')[2]}: {_quantity(key, element, values, units)}"
+                for key, values in quantities.items()
+                if key.rpartition(".")[0] == outer
+            ]
+    return "\n".join(lines) + "\n"
+
+
+def _quantity(key: str, element: str, values: Values, units: Mapping[str, str]) -> str:
+    kind = KINDS[kind_of(key, element)]
+    unit = units.get(kind.name, _SI.get(kind.name, kind.si_unit))
+    if units is _ALLAN and key == "bias_instability":
+        unit = _ALLAN_BIAS[element]
+    if units is _DATA_SHEET and key == "range" and element == "accelerometer":
+        unit = "g"
+    texts = [f"{number(value / factor(unit, kind))} {unit}" for value in values]
+    return texts[0] if len(texts) == 1 else f"[{', '.join(texts)}]"
+
+
+def _quoted(name: str) -> str:
+    return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -1,0 +1,1 @@
+"""Measured logs: files in, channels in SI units out."""

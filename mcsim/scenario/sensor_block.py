@@ -1,0 +1,236 @@
+"""The block that describes one sensing element's errors, as files and the catalogue write it.
+
+One set of keys serves sensor files, vibration scenarios and the catalogue.  A value
+is one quantity for all axes, or a list [x, y, z].
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, GetJsonSchemaHandler, model_validator
+from pydantic_core import CoreSchema
+
+from mcsim import catalogue
+from mcsim.errors import InputError
+from mcsim.scenario.block import Block
+from mcsim.scenario.fields import (
+    Acceleration,
+    AccelerationNoiseDensity,
+    AccelerationRandomWalk,
+    Angle,
+    AngleRandomWalk,
+    AngularRate,
+    Frequency,
+    GSensitivity,
+    NotNegative,
+    Positive,
+    RateNoiseDensity,
+    RateRandomWalk,
+    Ratio,
+    Time,
+    VelocityRandomWalk,
+    reject,
+)
+
+#: Axes of a sensor.
+N_AXES = 3
+
+
+def _per_axis(value: Any) -> Any:
+    return value if isinstance(value, list | tuple) else (value,)
+
+
+def _one_or_three(values: tuple[float, ...]) -> tuple[float, ...]:
+    if len(values) not in (1, N_AXES):
+        raise reject(f"write one value, or three for [x, y, z]; these are {len(values)}")
+    return values
+
+
+class _OneOrThree:
+    """Says in the JSON schema what the validators accept."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        three = handler(schema)
+        return {"anyOf": [three["items"], {**three, "minItems": 1, "maxItems": N_AXES}]}
+
+
+# Written as one quantity, or as one per axis.
+_PER_AXIS = (BeforeValidator(_per_axis), AfterValidator(_one_or_three), _OneOrThree())
+
+
+Accelerations = Annotated[tuple[Annotated[Acceleration, NotNegative], ...], *_PER_AXIS]
+AccelerationRange = Annotated[tuple[Annotated[Acceleration, Positive], ...], *_PER_AXIS]
+AngularRates = Annotated[tuple[Annotated[AngularRate, NotNegative], ...], *_PER_AXIS]
+AngularRateRange = Annotated[tuple[Annotated[AngularRate, Positive], ...], *_PER_AXIS]
+Times = Annotated[tuple[Annotated[Time, Positive], ...], *_PER_AXIS]
+Ratios = Annotated[tuple[Annotated[Ratio, NotNegative], ...], *_PER_AXIS]
+Angles = Annotated[tuple[Annotated[Angle, NotNegative], ...], *_PER_AXIS]
+Frequencies = Annotated[tuple[Annotated[Frequency, Positive], ...], *_PER_AXIS]
+AccelerationNoiseDensities = Annotated[
+    tuple[Annotated[AccelerationNoiseDensity, NotNegative], ...], *_PER_AXIS
+]
+VelocityRandomWalks = Annotated[tuple[Annotated[VelocityRandomWalk, NotNegative], ...], *_PER_AXIS]
+AccelerationRandomWalks = Annotated[
+    tuple[Annotated[AccelerationRandomWalk, NotNegative], ...], *_PER_AXIS
+]
+RateNoiseDensities = Annotated[tuple[Annotated[RateNoiseDensity, NotNegative], ...], *_PER_AXIS]
+AngleRandomWalks = Annotated[tuple[Annotated[AngleRandomWalk, NotNegative], ...], *_PER_AXIS]
+RateRandomWalks = Annotated[tuple[Annotated[RateRandomWalk, NotNegative], ...], *_PER_AXIS]
+GSensitivities = Annotated[tuple[Annotated[GSensitivity, NotNegative], ...], *_PER_AXIS]
+
+
+class AccelerationProcess(Block):
+    """A first-order Gauss-Markov process, in its stationary state."""
+
+    deviation: Accelerations
+    """Standard deviation of the process."""
+    correlation_time: Times
+    """Time after which the autocorrelation has fallen to 1/e."""
+
+
+class RateProcess(Block):
+    """A first-order Gauss-Markov process, in its stationary state."""
+
+    deviation: AngularRates
+    """Standard deviation of the process."""
+    correlation_time: Times
+    """Time after which the autocorrelation has fallen to 1/e."""
+
+
+class AccelerationSpikes(Block):
+    """Outliers of either sign."""
+
+    rate: Annotated[Frequency, NotNegative]
+    """Mean number per second and axis (Poisson)."""
+    amplitude: Annotated[Acceleration, NotNegative]
+    """What a spike adds or takes away."""
+
+
+class RateSpikes(Block):
+    """Outliers of either sign."""
+
+    rate: Annotated[Frequency, NotNegative]
+    """Mean number per second and axis (Poisson)."""
+    amplitude: Annotated[AngularRate, NotNegative]
+    """What a spike adds or takes away."""
+
+
+class _Element(Block):
+    """What both elements have."""
+
+    model: str | None = None
+    """Name of a built-in sensor (`mcsim sensors`); its values hold unless written here."""
+    scale_factor_error: Ratios | None = None
+    """Standard deviation of the scale factor error."""
+    misalignment: Angles | None = None
+    """Standard deviation of the angles between the axes."""
+    bandwidth: Frequencies | None = None
+    """First-order low-pass, -3 dB."""
+
+
+class AccelerometerErrors(_Element):
+    """Errors of an accelerometer; absent ones do not exist."""
+
+    noise_density: AccelerationNoiseDensities | None = None
+    """White noise, one-sided density as data sheets print it."""
+    velocity_random_walk: VelocityRandomWalks | None = None
+    """White noise as Allan's N (two-sided), instead of `noise_density`."""
+    miscalibration: Accelerations | None = None
+    """Standard deviation of the constant offset."""
+    turn_on_bias: Accelerations | None = None
+    """Standard deviation of the bias drawn at each turn-on."""
+    bias_instability: Accelerations | None = None
+    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B."""
+    acceleration_random_walk: AccelerationRandomWalks | None = None
+    """Allan's K."""
+    gauss_markov: AccelerationProcess | None = None
+    resolution: Accelerations | None = None
+    """Quantisation step."""
+    range: AccelerationRange | None = None
+    """Saturation, plus and minus."""
+    spikes: AccelerationSpikes | None = None
+
+    @model_validator(mode="after")
+    def _noise_given_once(self) -> AccelerometerErrors:
+        if self.noise_density is not None and self.velocity_random_walk is not None:
+            raise reject(
+                "`noise_density` and `velocity_random_walk` say the same thing twice; keep one"
+            )
+        return self
+
+
+class GyroscopeErrors(_Element):
+    """Errors of a gyroscope; absent ones do not exist."""
+
+    noise_density: RateNoiseDensities | None = None
+    """White noise, one-sided density as data sheets print it."""
+    angle_random_walk: AngleRandomWalks | None = None
+    """White noise as Allan's N (two-sided), instead of `noise_density`."""
+    miscalibration: AngularRates | None = None
+    """Standard deviation of the constant offset."""
+    turn_on_bias: AngularRates | None = None
+    """Standard deviation of the bias drawn at each turn-on."""
+    g_sensitivity: GSensitivities | None = None
+    """Standard deviation of the bias that an acceleration brings."""
+    bias_instability: AngularRates | None = None
+    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B."""
+    rate_random_walk: RateRandomWalks | None = None
+    """Allan's K."""
+    gauss_markov: RateProcess | None = None
+    resolution: AngularRates | None = None
+    """Quantisation step."""
+    range: AngularRateRange | None = None
+    """Saturation, plus and minus."""
+    spikes: RateSpikes | None = None
+
+    @model_validator(mode="after")
+    def _noise_given_once(self) -> GyroscopeErrors:
+        if self.noise_density is not None and self.angle_random_walk is not None:
+            raise reject(
+                "`noise_density` and `angle_random_walk` say the same thing twice; keep one"
+            )
+        return self
+
+
+_NOISE_KEYS = {"noise_density", "velocity_random_walk", "angle_random_walk"}
+
+
+def named_element(element: str) -> BeforeValidator:
+    """Accept a built-in sensor's name for its block, or fill a block's gaps by its ``model``."""
+
+    def expand(value: Any) -> Any:
+        block = {"model": value} if isinstance(value, str) else value
+        if not isinstance(block, dict) or not isinstance(block.get("model"), str):
+            return block
+        try:
+            known = dict(catalogue.element(block["model"], element))
+        except InputError as error:
+            raise reject(str(error)) from None
+        if block.keys() & _NOISE_KEYS:
+            known = {key: known[key] for key in known if key not in _NOISE_KEYS}
+        return {**known, **block}
+
+    return BeforeValidator(expand)
+
+
+NamedAccelerometer = Annotated[AccelerometerErrors, named_element("accelerometer")]
+NamedGyroscope = Annotated[GyroscopeErrors, named_element("gyroscope")]
+
+
+class SensorFile(Block):
+    """A sensor file: one or both elements, and the rate that they are read at."""
+
+    name: str | None = None
+    rate: Annotated[Frequency, Positive] | None = None
+    """Output rate."""
+    accelerometer: NamedAccelerometer | None = None
+    gyroscope: NamedGyroscope | None = None
+
+    @model_validator(mode="after")
+    def _something(self) -> SensorFile:
+        if self.accelerometer is None and self.gyroscope is None:
+            raise reject("write an `accelerometer:` or a `gyroscope:` block")
+        return self

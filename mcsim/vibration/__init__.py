@@ -1,0 +1,1 @@
+"""Vibration: excitations seen through a sensor, and the analysis of measured or simulated logs."""
