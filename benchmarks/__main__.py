@@ -39,6 +39,25 @@ ALL_ERRORS = {
     "initial.speed_error": "0.01 m/s",
     "initial.direction_error": "0.1 °",
 }
+#: The in-run terms, scale factor, quantisation and saturation together.
+ALL_TERMS = {
+    **ALL_ERRORS,
+    "sensors.accelerometer.scale_factor_error": "0.5 %",
+    "sensors.gyroscope.scale_factor_error": "0.5 %",
+    "sensors.accelerometer.gauss_markov": "{deviation: 2 mg, correlation_time: 1 s}",
+    "sensors.gyroscope.gauss_markov": "{deviation: 0.1 °/s, correlation_time: 1 s}",
+    "sensors.accelerometer.acceleration_random_walk": "5 m/s/h^1.5",
+    "sensors.gyroscope.rate_random_walk": "100 °/h^1.5",
+    "sensors.accelerometer.resolution": "1 mg",
+    "sensors.gyroscope.resolution": "0.02 °/s",
+    "sensors.accelerometer.range": "4 m/s^2",
+    "sensors.gyroscope.range": "100 °/s",
+}
+WITH_FLICKER = {
+    **ALL_TERMS,
+    "sensors.accelerometer.bias_instability": "1 mg",
+    "sensors.gyroscope.bias_instability": "20 °/h",
+}
 
 
 def interleaved(variants: dict[str, Callable[[], int]], rounds: int) -> dict[str, float]:
@@ -55,7 +74,7 @@ def interleaved(variants: dict[str, Callable[[], int]], rounds: int) -> dict[str
 
 
 def scenario(**overrides: str) -> Scenario:
-    return Scenario.from_yaml(BASE, {"sweep": None, **overrides})
+    return Scenario.from_yaml(BASE, ["sweep=null", *(f"{k}={v}" for k, v in overrides.items())])
 
 
 def kernel_speed(rounds: int) -> dict[str, object]:
@@ -63,7 +82,10 @@ def kernel_speed(rounds: int) -> dict[str, object]:
     numba.set_num_threads(1)
     p = problem_of(scenario().base, Path())
     everything = problem_of(scenario(**ALL_ERRORS).base, Path())
+    terms = problem_of(scenario(**ALL_TERMS).base, Path())
+    flicker = problem_of(scenario(**WITH_FLICKER).base, Path())
     trapezoidal = replace(p, trapezoidal=True)
+    white = p.sensor_errors.white
     rng = np.random.default_rng(1)
     n, many, few = p.n_samples, 12_800, 1_000
 
@@ -77,14 +99,16 @@ def kernel_speed(rounds: int) -> dict[str, object]:
     ns = interleaved(
         {
             "plain numpy": work(
-                few, lambda: plain_numpy(p.signals, p.white, p._start, p.interval, few, rng)
+                few, lambda: plain_numpy(p.signals, white, p._start, p.interval, few, rng)
             ),
             "naive numba": work(
-                few, lambda: naive_numba(p.signals, p.white, p._start, p.interval, few)
+                few, lambda: naive_numba(p.signals, white, p._start, p.interval, few)
             ),
             "kernel": work(many, lambda: p.simulate(1, 0, many)),
             "kernel, controls": work(many, lambda: p.simulate(1, 0, many, controls=True)),
             "kernel, all errors": work(many, lambda: everything.simulate(1, 0, many)),
+            "kernel, all error terms": work(many, lambda: terms.simulate(1, 0, many)),
+            "kernel, and flicker noise": work(many, lambda: flicker.simulate(1, 0, many)),
             "kernel, trapezoidal": work(many, lambda: trapezoidal.simulate(1, 0, many)),
         },
         rounds,
@@ -147,7 +171,7 @@ def _reference(problem):
     from mcsim.statistics import Reference
 
     linear = problem.linear
-    return Reference(problem.method_errors(), linear.mean, linear.second_moment)
+    return Reference(problem.method_errors(), linear.control_mean, linear.control_second_moment)
 
 
 def scaling(rounds: int) -> dict[str, object]:

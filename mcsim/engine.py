@@ -131,7 +131,7 @@ def _reference(problem: Problem, settings: MonteCarlo, count: int) -> Reference:
     if settings.estimator == "plain" or count < FEWEST_CONTROLLED:
         return Reference(method, percentiles=problem.percentiles)
     linear = problem.linear
-    return Reference(method, linear.mean, linear.second_moment, problem.percentiles)
+    return Reference(method, linear.control_mean, linear.control_second_moment, problem.percentiles)
 
 
 def _fill(

@@ -11,6 +11,7 @@ from hypothesis import settings
 
 from mcsim import Scenario
 from mcsim.cases import problem_of
+from mcsim.sensors.signal_errors import signal_errors
 
 # The same examples on every machine and in every run; "--hypothesis-profile explore" draws
 # others each time.
@@ -52,6 +53,11 @@ NO_NOISE = {
 def scenario(overrides: dict[str, Any] | None = None, **more: Any) -> Scenario:
     """The base scenario with some values replaced."""
     return Scenario.from_dict(copy.deepcopy(BASE), "base", overrides={**(overrides or {}), **more})
+
+
+def density(block) -> float:
+    """One-sided white noise density of a sensor block's first axis."""
+    return float(signal_errors(block).noise_density[0])
 
 
 def problem(overrides: dict[str, Any] | None = None, folder: Path = Path()):

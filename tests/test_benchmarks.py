@@ -12,7 +12,7 @@ COUNT = 20_000
 @pytest.mark.parametrize("name", ["plain numpy", "naive numba"])
 def test_baselines_give_the_kernels_statistics(name):
     p = problem()
-    arguments = (p.signals, p.white, p._start, p.interval, COUNT)
+    arguments = (p.signals, p.sensor_errors.white, p._start, p.interval, COUNT)
     if name == "plain numpy":
         ends = plain_numpy(*arguments, np.random.default_rng(3))
     else:

@@ -28,7 +28,7 @@ def both(tmp_path_factory):
         folder / "given.npz",
         key=np.array([KEY], np.uint64),
         signals=signals,
-        white=p.white,
+        white=p.sensor_errors.white,
         start=vector,
         count=COUNT,
     )
@@ -41,10 +41,11 @@ def both(tmp_path_factory):
     )
     errors, nothing = np.empty((5, COUNT)), np.zeros((0, 0))
     simulate(
-        np.uint64(KEY), np.uint64(0), COUNT, signals, p.white, np.zeros(7), start, np.zeros(4),
-        t, False, 0.5, p._largest_turn, nothing, nothing,
-        np.zeros((0, 0), np.float32), errors, np.empty((4, 0)),
-        np.empty((0, 0, 0)),
+        np.uint64(KEY), np.uint64(0), COUNT, signals, p.sensor_errors.white, np.zeros(7), start,
+        np.zeros(4),
+        t, False, 0.5, p.measurement.largest(signals, 2), nothing, nothing,
+        np.zeros((0, 0), np.float32), errors, np.empty((4, 0)), np.empty((0, 0, 0)),
+        *p.measurement.arrays,
     )  # fmt: skip
     return dict(np.load(folder / "result.npz")), errors, t
 

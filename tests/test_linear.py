@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from mcsim.cases.lengths import length_quantile, mean_length
-from tests.conftest import ALL_ERRORS, problem
+from tests.conftest import ALL_ERRORS, NO_NOISE, problem
 
 EVERYTHING = {
     **ALL_ERRORS,
@@ -43,7 +43,7 @@ def test_weights_are_derivatives(integration, sampling):
             "sensors.sampling": sampling,
         }
     )
-    w = p.weights
+    w = p.normal_weights
     h = 1e-4
     for i in (0, 1, 2, 77, p.n_samples - 1, p.n_samples):
         for channel in range(3):
@@ -51,24 +51,25 @@ def test_weights_are_derivatives(integration, sampling):
             def disturb(signals, _start, step, i=i, channel=channel):
                 signals[i, channel] += step
 
-            expected = slope(p, disturb, h) * p.white[channel]
-            ours = w.constants[:, 8 + channel] if i == 0 else w.samples[:, i, channel]
+            expected = slope(p, disturb, h) * p.sensor_errors.white[channel]
             largest = np.abs(w.samples).max()
-            np.testing.assert_allclose(ours, expected, rtol=1e-4, atol=1e-6 * largest)
+            np.testing.assert_allclose(
+                w.samples[:, i, channel], expected, rtol=1e-4, atol=1e-6 * largest
+            )
     for channel in range(3):
 
         def offset(signals, _start, step, channel=channel):
             signals[:, channel] += step
 
-        expected = slope(p, offset, 1e-6) * p.deviations[channel]
-        np.testing.assert_allclose(w.constants[:, channel], expected, rtol=1e-5, atol=1e-10)
-    for column, places in ((3, [2]), (4, [3, 4]), (5, [3]), (6, [4])):
+        expected = slope(p, offset, 1e-6) * p.sensor_errors.offsets[channel]
+        np.testing.assert_allclose(w.offsets[:, channel], expected, rtol=1e-5, atol=1e-10)
+    for column, places in enumerate(([2], [3, 4], [3], [4])):
 
         def start_differs(_signals, start, step, places=places):
             start[places] += step
 
-        expected = slope(p, start_differs, 1e-5) * p.deviations[column]
-        np.testing.assert_allclose(w.constants[:, column], expected, rtol=1e-5, atol=1e-10)
+        expected = slope(p, start_differs, 1e-5) * p.initial_deviations[column]
+        np.testing.assert_allclose(p.weights.initial[:, column], expected, rtol=1e-5, atol=1e-10)
 
 
 @pytest.mark.parametrize("integration", ["rectangular", "trapezoidal"])
@@ -97,25 +98,23 @@ def test_realizations_do_not_depend_on_controls():
 def test_sources_add_up_to_the_whole_variance():
     p = problem(EVERYTHING)
     total = sum(p.linear.variances.values())
-    covariance = p.weights.covariance
-    np.testing.assert_allclose(total[[0, 1, 3, 4]], np.diag(covariance), rtol=1e-12)
-    assert len(p.linear.variances) == 8
-    for source, parts in p.linear.variances.items():
-        assert np.all(parts >= 0.0)
-        assert parts.max() > 0.0, source
+    second = p.linear.second_moment[[0, 1, 3, 4]]
+    np.testing.assert_allclose(total[[0, 1, 3, 4]], second, rtol=1e-12)
+    present = [source for source, parts in p.linear.variances.items() if parts.max() > 0.0]
+    assert len(present) == 8
+    assert all(np.all(parts >= 0.0) for parts in p.linear.variances.values())
 
 
 def test_one_source_alone_is_its_share():
     """Simulated with a single disturbance, the deviation is that source's share."""
     p = problem(EVERYTHING)
-    for source, keep in (
-        ("gyroscope miscalibration", [2]),
-        ("initial speed error", [3]),
-        ("initial direction error", [4]),
+    for source, path in (
+        ("gyroscope miscalibration", "sensors.gyroscope.miscalibration"),
+        ("initial speed error", "initial.speed_error"),
+        ("initial direction error", "initial.direction_error"),
     ):
-        only = np.zeros(7)
-        only[keep] = p.deviations[keep]
-        alone = replace(p, white=np.zeros(3), deviations=only)
+        same_track = {"trajectory.deceleration": EVERYTHING["trajectory.deceleration"]}
+        alone = problem({**NO_NOISE, **same_track, path: EVERYTHING[path]})
         deviation = alone.simulate(3, 0, 20_000).errors.std(axis=1)
         expected = np.sqrt(p.linear.variances[source])
         np.testing.assert_allclose(

@@ -231,7 +231,8 @@ def order_of_convergence(integration: str) -> float:
 def problem_without_noise(p):
     from dataclasses import replace
 
-    return replace(p, white=np.zeros(3), deviations=np.zeros(7))
+    errors = replace(p.sensor_errors, white=np.zeros(3), miscalibration=np.zeros(3))
+    return replace(p, sensor_errors=errors, initial_deviations=np.zeros(4))
 
 
 def test_trapezoidal_rule_is_of_second_order():

@@ -203,7 +203,7 @@ def test_a_failing_point_leaves_the_others(monkeypatch):
     real = sweep_module.problem_of
 
     def sometimes(model, folder):
-        if model.sensors.accelerometer.density == 1e-2:
+        if model.sensors.accelerometer.noise_density == (1e-2,):
             raise MemoryError("no room")
         return real(model, folder)
 

@@ -23,27 +23,39 @@ from mcsim.cases.planar_linear import (
 from mcsim.cases.problem import Array, History, LinearModel, Sample
 from mcsim.errors import InputError
 from mcsim.scenario import PlanarScenario
-from mcsim.sensors.error_model import channel_errors
-from mcsim.sensors.sampling import oversampling, sample
+from mcsim.sensors.error_model import (
+    ACCELEROMETER,
+    GYROSCOPE,
+    Channel,
+    ChannelErrors,
+    channel_errors,
+    per_interval,
+)
+from mcsim.sensors.low_pass import behind_low_pass
+from mcsim.sensors.measurement import Measurement, NormalWeights
+from mcsim.sensors.sampling import Signals, oversampling, sample
 from mcsim.trajectory import Drive, Motion, drive_of
+from mcsim.units import STANDARD_GRAVITY
 
 #: Samples per track beyond which the arrays of the truth become absurd.
 _MOST_DENSE_SAMPLES = 20_000_000
-#: Standard deviations that bound the yaw rate of practically all realizations.
-_WIDE = 7.0
+#: Forward and left acceleration, yaw rate.
+CHANNELS = (Channel(ACCELEROMETER, 0), Channel(ACCELEROMETER, 1), Channel(GYROSCOPE, 2))
+_RATES = (False, False, True)
 
 
 @dataclass(frozen=True)
 class PlanarProblem:
     """Arrays and numbers of the planar kernel; see ``mcsim.kernels.planar.simulate``.
 
-    ``signals`` (n + 1, 3), ``white`` (3,) and ``deviations`` (7,) hold turns per interval
-    in the place of yaw rates; ``truth`` is the true motion at the samples 0 ... n.
+    ``signals`` (n + 1, 3) and all sensor errors hold turns per interval in the place of yaw
+    rates; ``initial_deviations`` (4,) are those of speed, direction, heading and course;
+    ``truth`` is the true motion at the samples 0 ... n.
     """
 
     signals: Array
-    white: Array
-    deviations: Array
+    initial_deviations: Array
+    sensor_errors: ChannelErrors
     truth: Motion
     interval: float
     trapezoidal: bool
@@ -62,23 +74,20 @@ class PlanarProblem:
             No such track, or one that is shorter than a sample or absurdly long.
         """
         drive = drive_of(model.trajectory, folder)
-        sensors = model.sensors
-        samples = _sampled(drive, sensors.rate, sensors.sampling)
-        errors = channel_errors(sensors)
-        initial = model.initial
-        per_interval = np.array([1.0, 1.0, 1.0 / sensors.rate])
+        sensors, initial = model.sensors, model.initial
+        errors = channel_errors(sensors, CHANNELS, drive.duration, STANDARD_GRAVITY)
+        samples = _sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
         return cls(
             signals=samples.signals,
-            white=errors.white * per_interval,
-            deviations=np.array(
+            initial_deviations=np.array(
                 [
-                    *errors.miscalibration * per_interval,
                     initial.speed_error,
                     initial.direction_error,
                     initial.heading_error,
                     initial.course_error,
                 ]
             ),
+            sensor_errors=per_interval(errors, _RATES, 1.0 / sensors.rate),
             truth=samples.truth,
             interval=1.0 / sensors.rate,
             trapezoidal=model.reconstruction.integration == "trapezoidal",
@@ -95,8 +104,7 @@ class PlanarProblem:
         """First-order weights of all disturbances."""
         return linear_weights(
             self.signals,
-            self.white,
-            self.deviations,
+            self.initial_deviations,
             self._start,
             self.interval,
             self.trapezoidal,
@@ -104,8 +112,24 @@ class PlanarProblem:
         )
 
     @cached_property
+    def measurement(self) -> Measurement:
+        """The sensor errors as the kernel takes them."""
+        return Measurement.of(self.sensor_errors, self.signals, self.interval)
+
+    @cached_property
+    def normal_weights(self) -> NormalWeights:
+        """Linear errors per unit normal of the sensors' random numbers."""
+        return self.measurement.fold(self.weights.samples, self.signals)
+
+    @cached_property
     def linear(self) -> LinearModel:
-        return linear_model(self.weights, self.method_errors())
+        by_source = {
+            **self.measurement.variances(self.weights.samples, self.signals),
+            **self.weights.initial_variances(),
+        }
+        initial = self.weights.initial
+        covariance = self.normal_weights.covariance + initial @ initial.T
+        return linear_model(covariance, by_source, self.method_errors())
 
     @cached_property
     def _start(self) -> Array:
@@ -184,43 +208,48 @@ class PlanarProblem:
         samples, constants = _NO_SAMPLES, _NO_CONSTANTS
         if with_linear:
             samples, constants = self._kernel_weights
+        m = self.measurement if disturbed else Measurement.none(self.sensor_errors)
         factor = 1.0 if disturbed else 0.0
+        drawn = -(-(N_CONSTANTS + len(m.mix_to)) // 4) * 4
         simulate(
             np.uint64(key),
             np.uint64(first),
             count,
             self.signals,
-            factor * self.white,
-            factor * self.deviations,
+            m.white,
+            np.append(m.offsets, factor * self.initial_deviations),
             self._start,
             np.array([truth.along[-1], truth.across[-1], truth.heading[-1], course_end]),
             self.interval,
             self.trapezoidal,
             self.previous_share,
-            self._largest_turn if disturbed else float(np.max(np.abs(self.signals[:, 2]))),
+            m.largest(self.signals, 2),
             samples,
             constants,
-            net_normals(key, first, count, net, N_CONSTANTS) if net else _NONE_GIVEN,
+            net_normals(key, first, count, net, drawn) if net else _NONE_GIVEN,
             errors,
             linear,
             np.empty((0, 0, 0)) if history is None else history,
+            *m.arrays,
         )
         return errors, linear
 
     @cached_property
     def _kernel_weights(self) -> tuple[Array, Array]:
         """Weights of along, across, course and heading, laid out for the kernel."""
-        rows = [ALONG, ACROSS, COURSE, HEADING]
-        weights = self.weights
-        nine = np.moveaxis(weights.samples[rows[:3]], 0, 1).reshape(-1, 9)
-        samples = np.column_stack([nine, weights.samples[HEADING, :, 2]])
-        return samples, np.ascontiguousarray(weights.constants[rows])
+        from mcsim.kernels.planar import N_CONSTANTS
 
-    @cached_property
-    def _largest_turn(self) -> float:
-        """A bound of the turn per sample that practically no realization exceeds."""
-        spread = math.hypot(self.white[2], self.deviations[2])
-        return float(np.max(np.abs(self.signals[:, 2])) + _WIDE * spread)
+        rows = [ALONG, ACROSS, COURSE, HEADING]
+        w = self.normal_weights
+        # Sample 0 is among the constants.
+        nine = np.moveaxis(w.samples[rows[:3]], 0, 1).reshape(-1, 9)
+        samples = np.column_stack([nine, w.samples[HEADING, :, 2]])
+        constants = np.zeros((4, N_CONSTANTS + w.mixing.shape[1]))
+        constants[:, :3] = w.offsets[rows]
+        constants[:, 3:7] = self.weights.initial[rows]
+        constants[:, 8:11] = w.samples[rows, 0]
+        constants[:, N_CONSTANTS:] = w.mixing[rows]
+        return samples, constants
 
 
 _NO_SAMPLES, _NO_CONSTANTS = np.zeros((0, 0)), np.zeros((0, 0))
@@ -236,10 +265,13 @@ class _Samples:
 
 
 @lru_cache(maxsize=64)
-def _sampled(drive: Drive, rate: float, method: str) -> _Samples:
+def _sampled(drive: Drive, rate: float, method: str, bandwidths: tuple[float, ...]) -> _Samples:
     """What does not change while only sensor errors are swept."""
     count = sample_count(drive, rate)
-    signals = sample(drive.signals, -drive.lead, rate, count, method).T
+    ideal: Signals = drive.signals
+    if not all(map(math.isinf, bandwidths)):
+        ideal = behind_low_pass(ideal, bandwidths, -drive.lead, rate, count)
+    signals = sample(ideal, -drive.lead, rate, count, method).T
     truth = drive.motion(-drive.lead + np.arange(count + 1) / rate)
     return _Samples(np.ascontiguousarray(signals * [1.0, 1.0, 1.0 / rate]), truth)
 

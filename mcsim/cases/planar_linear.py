@@ -25,50 +25,36 @@ ALONG, ACROSS, HEADING, COURSE = range(4)
 #: Row of the position error among the errors that are reported.
 POSITION = 2
 #: Columns of the constants that the kernel draws (see ``mcsim.kernels.planar``).
-_SPEED, _DIRECTION, _HEADING, _COURSE, _SAMPLE_0 = 3, 4, 5, 6, 8
-_SOURCES = {
-    "accelerometer noise": ((0, 1), (_SAMPLE_0, _SAMPLE_0 + 1)),
-    "gyroscope noise": ((2,), (_SAMPLE_0 + 2,)),
-    "accelerometer miscalibration": ((), (0, 1)),
-    "gyroscope miscalibration": ((), (2,)),
-    "initial speed error": ((), (_SPEED,)),
-    "initial direction error": ((), (_DIRECTION,)),
-    "initial heading error": ((), (_HEADING,)),
-    "initial course error": ((), (_COURSE,)),
+_SPEED, _DIRECTION, _HEADING, _COURSE = 3, 4, 5, 6
+_INITIAL = {
+    "initial speed error": _SPEED,
+    "initial direction error": _DIRECTION,
+    "initial heading error": _HEADING,
+    "initial course error": _COURSE,
 }
 
 
 @dataclass(frozen=True)
 class Weights:
-    """Errors (4: along, across, heading, course) per unit normal.
+    """Errors (4: along, across, heading, course) per unit of every disturbance.
 
-    ``samples`` (4, n + 1, 3) of each channel's noise at each sample (sample 0 is among
-    the constants); ``constants`` (4, 12) of what a realization draws once.
+    ``samples`` (4, n + 1, 3) per unit of each channel's error at each sample (m/s^2, and
+    radian per interval); ``initial`` (4, 4) per unit normal of the initial errors of speed,
+    direction, heading and course.
     """
 
     samples: Array
-    constants: Array
+    initial: Array
 
-    @property
-    def covariance(self) -> Array:
-        """Covariance (4, 4) of the linear errors."""
-        flat = self.samples.reshape(4, -1)
-        return flat @ flat.T + self.constants @ self.constants.T
-
-    def variances(self) -> Mapping[str, Array]:
-        """Variance (4,) of the linear errors by source."""
+    def initial_variances(self) -> Mapping[str, Array]:
+        """Variance (4,) of the linear errors by source among the initial errors."""
         return {
-            source: sum(
-                (np.sum(self.samples[:, :, channel] ** 2, axis=1) for channel in channels),
-                start=np.sum(self.constants[:, list(columns)] ** 2, axis=1),
-            )
-            for source, (channels, columns) in _SOURCES.items()
+            source: self.initial[:, column - _SPEED] ** 2 for source, column in _INITIAL.items()
         }
 
 
 def linear_weights(
     signals: Array,
-    white: Array,
     deviations: Array,
     start: Array,
     interval: float,
@@ -78,7 +64,8 @@ def linear_weights(
     """Weights of all disturbances.
 
     Parameters are those of ``mcsim.kernels.planar.simulate``: ``signals`` (n + 1, 3)
-    with turns per interval, ``start`` the state along, across, speed, heading, course.
+    with turns per interval, ``start`` the state along, across, speed, heading, course,
+    ``deviations`` (4,) those of the initial errors of speed, direction, heading, course.
     """
     n = len(signals) - 1
     share = previous_share if trapezoidal else 0.0
@@ -109,20 +96,13 @@ def linear_weights(
     per_sample[:, 1:] += (1.0 - share) * per_mean
     per_sample[:, :-1] += share * per_mean
 
-    constants = np.zeros((4, 12))
-    constants[:, :3] = per_mean.sum(axis=1) * deviations[:3]
     moved = np.array([direction, 1j * start[2] * direction], complex)
     speed, course = _end_errors(moved * complex(n * interval), moved, np.zeros(2), velocity).T
     all_turned = 1j * interval * np.sum(acceleration)
     all_moved = 1j * interval**2 * np.sum(acts * acceleration)
     (heading,) = _end_errors(np.array([all_moved]), np.array([all_turned]), np.ones(1), velocity).T
-    constants[:, _SPEED] = speed * deviations[3]
-    constants[:, _DIRECTION] = (heading + course) * deviations[4]
-    constants[:, _HEADING] = heading * deviations[5]
-    constants[:, _COURSE] = course * deviations[6]
-    constants[:, _SAMPLE_0 : _SAMPLE_0 + 3] = per_sample[:, 0] * white
-    per_sample[:, 0] = 0.0
-    return Weights(per_sample * white, constants)
+    initial = np.stack([speed, heading + course, heading, course], axis=1) * deviations
+    return Weights(per_sample, initial)
 
 
 def _later(values: Complex) -> Complex:
@@ -138,27 +118,45 @@ def _end_errors(position: Complex, velocity: Complex, heading: Array, end: compl
     )
 
 
-def linear_model(weights: Weights, method: Array) -> LinearModel:
-    """Moments of the controls of along, across, position, heading and course errors.
+def linear_model(covariance: Array, by_source: Mapping[str, Array], method: Array) -> LinearModel:
+    """Moments of the linear along, across, position, heading and course errors.
 
-    The control of the position error is the length of (method error + linear error)
-    less that of the method error; its moments follow from the exact distribution.
+    ``covariance`` (4, 4) is that of the controls, ``by_source`` the variances (4,) of all that
+    disturbs, controlled or not.  The control of the position error is the length of (method
+    error + linear error) less that of the method error; its moments follow from the exact
+    distribution.
     """
-    covariance = weights.covariance
-    order = [ALONG, ACROSS, HEADING, COURSE]
-    mean = np.zeros(5)
-    second = np.empty(5)
-    second[[0, 1, 3, 4]] = np.diag(covariance)[order]
+    mean, second = _moments(covariance, method)
+    everything = covariance + _beyond(covariance, by_source)
+    all_mean, all_second = _moments(everything, method)
+    centre, plane = np.asarray(method[:2]), everything[:2, :2]
+    return LinearModel(
+        mean=all_mean,
+        second_moment=all_second,
+        control_mean=mean,
+        control_second_moment=second,
+        variances={
+            source: np.array([v[ALONG], v[ACROSS], v[ALONG] + v[ACROSS], v[HEADING], v[COURSE]])
+            for source, v in by_source.items()
+        },
+        quantiles={POSITION: lambda p: length_quantile(centre, plane, p)},
+    )
+
+
+def _beyond(covariance: Array, by_source: Mapping[str, Array]) -> Array:
+    """What the sources have beyond the controls' covariance; taken as uncorrelated."""
+    total = np.sum(list(by_source.values()), axis=0)
+    beyond = total - np.diag(covariance)
+    return np.diag(np.where(beyond > 1e-9 * total, beyond, 0.0))
+
+
+def _moments(covariance: Array, method: Array) -> tuple[Array, Array]:
+    """Mean and second moment (5,) of the reported errors less the method's."""
+    mean, second = np.zeros(5), np.empty(5)
+    second[[0, 1, 3, 4]] = np.diag(covariance)[[ALONG, ACROSS, HEADING, COURSE]]
     plane = covariance[:2, :2]
     offset = float(np.hypot(method[0], method[1]))
     length = mean_length(method[:2], plane)
     mean[POSITION] = length - offset
     second[POSITION] = 2.0 * offset**2 + np.trace(plane) - 2.0 * offset * length
-    variances = {
-        source: np.array([v[ALONG], v[ACROSS], v[ALONG] + v[ACROSS], v[HEADING], v[COURSE]])
-        for source, v in weights.variances().items()
-    }
-    centre = np.asarray(method[:2])
-    return LinearModel(
-        mean, second, variances, {POSITION: lambda p: length_quantile(centre, plane, p)}
-    )
+    return mean, second

@@ -44,14 +44,18 @@ class History:
 class LinearModel:
     """First-order effect of every disturbance on the errors; SI units, (e,) each.
 
-    ``mean`` and ``second_moment`` are the expectations of the controls and of their
-    squares; ``variances`` those of the signed errors by source of disturbance (for the
-    position error: of its two components together).  ``quantiles`` are the quantile
-    functions of errors (by row) that are not normal.
+    ``mean`` and ``second_moment`` are those of the linear errors less the method's;
+    ``control_mean`` and ``control_second_moment`` those of the controls, which may leave out
+    disturbances whose random numbers a kernel does not weigh.  ``variances`` are those of
+    the signed errors by source of disturbance (for the position error: of its components
+    together).  ``quantiles`` are the quantile functions of errors (by row) that are not
+    normal.
     """
 
     mean: Array
     second_moment: Array
+    control_mean: Array
+    control_second_moment: Array
     variances: Mapping[str, Array]
     quantiles: Mapping[int, Callable[[float], float]]
 

@@ -135,9 +135,13 @@ def velocity_linear_model(weights: VelocityWeights, runs: int) -> LinearModel:
     }
     mean = np.zeros(3 * len(own))
     mean[2::3] = _c4(runs) * np.sqrt(own)
+    second_moment = _rows(common + own, common + own / runs, own)
+    controlled = np.tile([1.0, 1.0, 0.0], len(own))
     return LinearModel(
         mean=mean,
-        second_moment=_rows(common + own, common + own / runs, own),
+        second_moment=second_moment,
+        control_mean=controlled * mean,
+        control_second_moment=controlled * second_moment,
         variances=variances,
         quantiles={
             3 * i + 2: _scatter_quantile(math.sqrt(variance), runs)

@@ -38,6 +38,7 @@ from mcsim.kernels.lanes import (
     seed_lanes,
     take_constants,
 )
+from mcsim.kernels.measurement import EVENTS, draw_coefficients, measure
 from mcsim.kernels.rotation import (
     LARGEST_TURN,
     LITTLE_TURN,
@@ -56,9 +57,11 @@ ERRORS = 5
 LINEAR_ERRORS = 4
 #: Normals drawn once per realization.
 N_CONSTANTS = 12
+#: Row of the constants where the normals of sample 0 begin.
+_NOISE_0 = 8
 # Constants of a realization (see ``lanes``): three miscalibrations, initial speed,
 # direction, heading and course errors, one spare, then the noise of sample 0, which the
-# trapezoidal rule uses.
+# trapezoidal rule uses and which coloured noise starts from, one spare; mixing coefficients.
 
 # Rows of the state: heading vector, velocity, position, four linear errors, the
 # previous sample's channels, half of the previous interval's turn, three offsets, and
@@ -117,11 +120,8 @@ def _turned(direction, angle_row, state, cos_row, sin_row):
 
 
 @scalar
-def _start(constants, deviations, white, initial, signals, interval, state):
-    """State rows at sample 0, from the true state and the realization's constants.
-
-    The previous-sample rows hold measured sample 0 (for the trapezoidal rule).
-    """
+def _start(constants, deviations, initial, interval, state):
+    """State rows at sample 0, from the true state and the realization's constants."""
     for j in range(LANES):
         direction = deviations[4] * constants[4 * LANES + j]
         state[_COURSE + j] = direction + deviations[6] * constants[6 * LANES + j]
@@ -138,10 +138,25 @@ def _start(constants, deviations, white, initial, signals, interval, state):
     for channel in range(3):
         row = channel * LANES
         for j in range(LANES):
-            offset = deviations[channel] * constants[row + j]
-            noise = white[channel] * constants[8 * LANES + row + j]
-            state[_OFFSETS + row + j] = offset
-            state[_FORWARD + row + j] = signals[0, channel] + offset + noise
+            state[_OFFSETS + row + j] = deviations[channel] * constants[row + j]
+
+
+@scalar
+def _measure_plainly(i, row, normals, signals, white, state, measured):
+    """Measured channels of sample ``i`` where offsets and white noise are all there is."""
+    for channel in range(3):
+        value, deviation = signals[i, channel], white[channel]
+        own = channel * LANES
+        drawn = normals[row * LANES + own : row * LANES + own + LANES]
+        for j in range(LANES):
+            measured[own + j] = value + state[_OFFSETS + own + j] + deviation * drawn[j]
+
+
+@scalar
+def _keep_measured(measured, state):
+    """Sample 0 as the previous one (for the trapezoidal rule)."""
+    for j in range(3 * LANES):
+        state[_FORWARD + j] = measured[j]
 
 
 @scalar
@@ -151,7 +166,7 @@ def _start_linear(constants, linear_constants, state):
         row = _LINEAR + error * LANES
         for j in range(LANES):
             state[row + j] = 0.0
-        for k in range(N_CONSTANTS):
+        for k in range(linear_constants.shape[1]):
             weight = linear_constants[error, k]
             for j in range(LANES):
                 state[row + j] += weight * constants[k * LANES + j]
@@ -207,16 +222,11 @@ _advance_four = _make_advance_four(_step, with_offsets=True)
 
 
 def _make_advance(rectangular, trapezoidal):
-    """Advance a block by sample ``i``, number ``k`` of its group, with the given steps."""
+    """Advance a block by one measured sample, with the given steps."""
 
     @scalar
-    def advance_rectangular(i, k, normals, signals, white, state):
-        row = 3 * k * LANES
-        f0, l0, w0 = signals[i, 0], signals[i, 1], signals[i, 2]
+    def advance_rectangular(measured, state):
         for j in range(LANES):
-            forward = f0 + state[_OFFSETS + j] + white[0] * normals[row + j]
-            left = l0 + state[_OFFSETS + LANES + j] + white[1] * normals[row + LANES + j]
-            angle = w0 + state[_OFFSETS + 2 * LANES + j] + white[2] * normals[row + 2 * LANES + j]
             c, s, vl, vd, pl, pd = rectangular(
                 state[_COS + j],
                 state[_SIN + j],
@@ -224,23 +234,20 @@ def _make_advance(rectangular, trapezoidal):
                 state[_VD + j],
                 state[_PL + j],
                 state[_PD + j],
-                forward,
-                left,
-                angle,
+                measured[j],
+                measured[LANES + j],
+                measured[2 * LANES + j],
             )
             state[_COS + j], state[_SIN + j] = c, s
             state[_VL + j], state[_VD + j] = vl, vd
             state[_PL + j], state[_PD + j] = pl, pd
 
     @scalar
-    def advance_trapezoidal(i, k, normals, signals, white, previous_share, state):
-        row = 3 * k * LANES
-        f0, l0, w0 = signals[i, 0], signals[i, 1], signals[i, 2]
+    def advance_trapezoidal(measured, previous_share, state):
         share = 1.0 - previous_share
         for j in range(LANES):
-            forward = f0 + state[_OFFSETS + j] + white[0] * normals[row + j]
-            left = l0 + state[_OFFSETS + LANES + j] + white[1] * normals[row + LANES + j]
-            angle = w0 + state[_OFFSETS + 2 * LANES + j] + white[2] * normals[row + 2 * LANES + j]
+            forward, left = measured[j], measured[LANES + j]
+            angle = measured[2 * LANES + j]
             half_turn = 0.5 * (share * angle + previous_share * state[_YAW + j])
             c, s, vl, vd, pl, pd = trapezoidal(
                 state[_COS + j],
@@ -390,6 +397,17 @@ def simulate(
     errors: Array,
     linear: Array,
     history: Array,
+    mix_to: NDArray[np.int64],
+    mix_from: NDArray[np.int64],
+    mix_deviation: Array,
+    innovation: Array,
+    gains: Array,
+    decay: Array,
+    jitter: Array,
+    spike_thresholds: NDArray[np.uint32],
+    spike_amplitudes: Array,
+    ranges: Array,
+    resolutions: Array,
 ) -> None:
     """Dead-reckon ``count`` realizations from number ``first`` on; their errors at the last sample.
 
@@ -422,18 +440,34 @@ def simulate(
     sensitivity : float64 (n + 1, 10)
         Linear errors per unit normal of each channel and sample: along, across and course
         from each channel, heading from the turn.
-    linear_constants : float64 (4, 12)
+    linear_constants : float64 (4, 12 + m)
         Linear errors per unit normal of each constant.
-    given : float32 (12, count) or (12, 0)
-        Normals for what is drawn once per realization, instead of drawing them, unless empty.
+    given : float32 (k, count) or (0, 0)
+        Normals for what is drawn once per realization, instead of drawing them, unless empty;
+        k is the least multiple of four that holds 12 + m.
     errors : float64 (5, count), written
         along, across, position (m), heading, course (rad).
     linear : float64 (4, count) or (4, 0), written
         Linear errors of the same realizations, unless empty.
     history : float64 (HISTORY_ROWS, n + 1, count) or (0, 0, 0), written
         Reconstructed states at every sample, unless empty.
+    mix_to, mix_from : int64 (m,); mix_deviation : float64 (m,)
+        Coefficients drawn once per realization: how much of a channel's signal shows in another.
+    innovation : float64 (n + 1, 3) or (0, 3)
+        Standard deviation of each sample's innovation; empty where white noise and offsets are
+        all there is, and then everything that follows is empty as well.
+    gains, decay : float64 (n + 1, 3, p), (3, p)
+        Gains and decay of the coloured noise's processes; see ``mcsim.kernels.innovations``.
+    jitter : float64 (n + 1, 3) or (0, 3)
+        Slope of each signal times the deviation of the sampling instants.
+    spike_thresholds, spike_amplitudes : uint32, float64 (3,) or (0,)
+        Half of 2^32 times the probability of a spike per sample, and its height.
+    ranges, resolutions : float64 (3,) or (0,)
+        Where each channel saturates, and its quantisation step (zero for none).
     """
     n = signals.shape[0] - 1
+    n_constants = (N_CONSTANTS + len(mix_to) + 3) // 4 * 4
+    plain = innovation.shape[0] == 0
     record = history.shape[1] > 0
     with_linear = linear.shape[1] > 0
     with_given = given.shape[1] > 0
@@ -442,37 +476,49 @@ def simulate(
     for channel in range(3):
         little = little and deviations[channel] == 0.0
     # What nothing scales need not be drawn; the trapezoidal rule uses sample 0's noise.
-    with_constants = trapezoidal
+    with_constants = trapezoidal or not plain
     for k in range(deviations.shape[0]):
         with_constants = with_constants or deviations[k] != 0.0
-    by_fours = not (trapezoidal or exact or record)
+    by_fours = plain and not (trapezoidal or exact or record)
     random_state = np.empty(4 * LANES, np.uint32)
+    event_state = np.empty(4 * LANES, np.uint32)
     normals = np.empty(3 * GROUP * LANES, np.float32)
-    constants = np.zeros(N_CONSTANTS * LANES, np.float32)
+    constants = np.zeros(n_constants * LANES, np.float32)
+    coefficients = np.zeros((len(mix_to) + 1) * LANES, np.float64)
+    processes = np.zeros(3 * decay.shape[1] * LANES, np.float64)
+    measured = np.empty(3 * LANES, np.float64)
     state = np.empty(_N_STATE, np.float64)
     for block in range((count + LANES - 1) // LANES):
         start = block * LANES
         filled = min(LANES, count - start)
         block_first = first + uint64(start)
         if with_given:
-            take_constants(given, start, filled, N_CONSTANTS, constants)
+            take_constants(given, start, filled, n_constants, constants)
         elif with_constants:
-            draw_constants(key, block_first, N_CONSTANTS, constants)
-        _start(constants, deviations, white, initial, signals, interval, state)
+            draw_constants(key, block_first, n_constants, constants)
+        _start(constants, deviations, initial, interval, state)
+        offsets = state[_OFFSETS : _OFFSETS + 3 * LANES]
         if with_linear:
             _start_linear(constants, linear_constants, state)
         seed_lanes(key, block_first, WHITE_NOISE, random_state)
-        if record:
-            _record(state, 0, start, filled, interval, history)
-        for i in range(1, n + 1, GROUP):
-            size = min(GROUP, n + 1 - i)
-            draw_group(random_state, normals)
-            if with_linear and size == GROUP:
+        if not plain:
+            seed_lanes(key, block_first, EVENTS, event_state)
+            draw_coefficients(mix_deviation, N_CONSTANTS, constants, coefficients)
+            processes[:] = 0.0
+        for i in range(-3, n + 1, GROUP):
+            # Sample 0 comes alone, with normals of its own among the constants.
+            at_0 = i < 0
+            size = 1 if at_0 else min(GROUP, n + 1 - i)
+            if not at_0:
+                draw_group(random_state, normals)
+            if with_linear and not at_0 and size == GROUP:
                 _add_linear_of_two(i, 0, normals, sensitivity, state)
                 _add_linear_of_two(i + 2, 6 * LANES, normals, sensitivity, state)
-            elif with_linear:
+            elif with_linear and not at_0:
                 for k in range(size):
                     _add_linear(i + k, k, normals, sensitivity, state)
+            if by_fours and at_0:
+                continue
             if by_fours and size == GROUP:
                 if little:
                     _advance_four_little(i, normals, signals, white, state)
@@ -480,16 +526,44 @@ def simulate(
                     _advance_four(i, normals, signals, white, state)
                 continue
             for k in range(size):
-                if trapezoidal and exact:
-                    _advance_trapezoidal_exactly(
-                        i + k, k, normals, signals, white, previous_share, state
-                    )
-                elif trapezoidal:
-                    _advance_trapezoidal(i + k, k, normals, signals, white, previous_share, state)
-                elif exact:
-                    _advance_exactly(i + k, k, normals, signals, white, state)
+                sample = 0 if at_0 else i + k
+                row = _NOISE_0 if at_0 else 3 * k
+                source = constants if at_0 else normals
+                if plain:
+                    _measure_plainly(sample, row, source, signals, white, state, measured)
                 else:
-                    _advance(i + k, k, normals, signals, white, state)
+                    measure(
+                        sample,
+                        3,
+                        row,
+                        source,
+                        signals,
+                        offsets,
+                        mix_to,
+                        mix_from,
+                        coefficients,
+                        innovation,
+                        gains,
+                        decay,
+                        processes,
+                        jitter,
+                        spike_thresholds,
+                        spike_amplitudes,
+                        ranges,
+                        resolutions,
+                        event_state,
+                        measured,
+                    )
+                if at_0:
+                    _keep_measured(measured, state)
+                elif trapezoidal and exact:
+                    _advance_trapezoidal_exactly(measured, previous_share, state)
+                elif trapezoidal:
+                    _advance_trapezoidal(measured, previous_share, state)
+                elif exact:
+                    _advance_exactly(measured, state)
+                else:
+                    _advance(measured, state)
                 if record:
-                    _record(state, i + k, start, filled, interval, history)
+                    _record(state, sample, start, filled, interval, history)
         _finish(state, start, filled, interval, final, errors, linear)

@@ -13,6 +13,7 @@ from pydantic import BaseModel
 
 from mcsim.scenario.document import PathKey
 from mcsim.scenario.fields import Quantity
+from mcsim.scenario.sensor_block import OneOrThree
 from mcsim.units import Kind
 
 #: Blocks and keys that describe the run, not the simulated system.
@@ -65,6 +66,9 @@ def _walk(annotation: Any, path: str, metadata: tuple[Any, ...] = ()) -> Iterato
             if member is not type(None):
                 yield from _walk(member, path, metadata)
     elif origin is tuple:
+        if any(isinstance(m, OneOrThree) for m in metadata):
+            # One quantity may stand for all axes.
+            yield from _walk(get_args(annotation)[0], path)
         yield from _walk(get_args(annotation)[0], f"{path}.*")
     elif origin is Literal:
         yield Scalar(path, None, get_args(annotation))

@@ -47,8 +47,8 @@ def _one_or_three(values: tuple[float, ...]) -> tuple[float, ...]:
     return values
 
 
-class _OneOrThree:
-    """Says in the JSON schema what the validators accept."""
+class OneOrThree:
+    """Marks a field that is one quantity or three; says so in the JSON schema."""
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
@@ -58,7 +58,7 @@ class _OneOrThree:
 
 
 # Written as one quantity, or as one per axis.
-_PER_AXIS = (BeforeValidator(_per_axis), AfterValidator(_one_or_three), _OneOrThree())
+_PER_AXIS = (BeforeValidator(_per_axis), AfterValidator(_one_or_three), OneOrThree())
 
 
 Accelerations = Annotated[tuple[Annotated[Acceleration, NotNegative], ...], *_PER_AXIS]
@@ -195,7 +195,7 @@ class GyroscopeErrors(_Element):
         return self
 
 
-_NOISE_KEYS = {"noise_density", "velocity_random_walk", "angle_random_walk"}
+NOISE_KEYS = {"noise_density", "velocity_random_walk", "angle_random_walk"}
 
 
 def named_element(element: str) -> BeforeValidator:
@@ -209,8 +209,8 @@ def named_element(element: str) -> BeforeValidator:
             known = dict(catalogue.element(block["model"], element))
         except InputError as error:
             raise reject(str(error)) from None
-        if block.keys() & _NOISE_KEYS:
-            known = {key: known[key] for key in known if key not in _NOISE_KEYS}
+        if block.keys() & NOISE_KEYS:
+            known = {key: known[key] for key in known if key not in NOISE_KEYS}
         return {**known, **block}
 
     return BeforeValidator(expand)

@@ -1,34 +1,212 @@
-"""Sensor errors of a scenario as the numbers that a kernel takes."""
+"""Sensor errors of a scenario as numbers per measured channel."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.scenario.sensors import Sensors
+from mcsim.sensors.coloured import NO_PROCESSES, Processes, after_calibration, processes_of
+from mcsim.sensors.signal_errors import SignalErrors, signal_errors
 from mcsim.units import sample_deviation
+
+Array = NDArray[np.float64]
+
+ACCELEROMETER, GYROSCOPE = "accelerometer", "gyroscope"
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A measured channel: its element and its axis (0, 1, 2 for x, y, z)."""
+
+    element: str
+    axis: int
+
+
+@dataclass(frozen=True)
+class Mixing:
+    """One coefficient drawn per realization: how much of channel ``source`` shows in ``target``.
+
+    ``deviation`` is in units of the target's per unit of the source's; ``term`` its name in
+    budgets.
+    """
+
+    target: int
+    source: int
+    deviation: float
+    term: str
 
 
 @dataclass(frozen=True)
 class ChannelErrors:
-    """Standard deviations per channel, in SI units; arrays (3,): forward, left, yaw rate.
+    """Error parameters of the channels; arrays (c,) in SI units.
 
-    ``white`` is that of one sample, ``miscalibration`` that of the constant offset.
+    ``elements`` names each channel's element.
+    ``white`` is the deviation of one sample's white noise.  Constant offsets: ``miscalibration``,
+    ``turn_on_bias`` and ``gravity_bias`` (what a g-sensitive gyroscope makes of a gravity that
+    no channel measures).  ``processes`` are the in-run noise.  ``ranges`` (infinite for none),
+    ``resolutions`` and ``spike_amplitudes`` (zero for none); ``spike_rates`` in Hz.
     """
 
-    white: NDArray[np.float64]
-    miscalibration: NDArray[np.float64]
+    elements: tuple[str, ...]
+    white: Array
+    miscalibration: Array
+    turn_on_bias: Array
+    gravity_bias: Array
+    processes: tuple[Processes, ...]
+    mixing: tuple[Mixing, ...]
+    ranges: Array
+    resolutions: Array
+    spike_rates: Array
+    spike_amplitudes: Array
+    bandwidths: tuple[float, ...]
+    time_jitter: float
+    calibrated: bool
+
+    @property
+    def offsets(self) -> Array:
+        """Standard deviation of all constant offsets together (c,)."""
+        return np.sqrt(self.miscalibration**2 + self.turn_on_bias**2 + self.gravity_bias**2)
+
+    @property
+    def plain(self) -> bool:
+        """Whether there is nothing but white noise and constant offsets."""
+        return (
+            not self.mixing
+            and all(p.count == 0 for p in self.processes)
+            and bool(np.all(np.isinf(self.ranges)))
+            and not np.any(self.resolutions)
+            and not np.any(self.spike_rates * self.spike_amplitudes)
+            and self.time_jitter == 0.0
+        )
 
 
-def channel_errors(sensors: Sensors) -> ChannelErrors:
-    """The error parameters of the three planar channels."""
-    accelerometer, gyroscope = sensors.accelerometer, sensors.gyroscope
-    densities = (accelerometer.density, accelerometer.density, gyroscope.density)
+def channel_errors(
+    sensors: Sensors, channels: Sequence[Channel], duration: float, gravity: float = 0.0
+) -> ChannelErrors:
+    """The error parameters of the channels of a case.
+
+    ``duration`` (s) is that of the run, which flicker noise has to span; ``gravity`` (m/s^2) is
+    the constant specific force that no channel measures.
+    """
+    elements = {
+        ACCELEROMETER: signal_errors(sensors.accelerometer),
+        GYROSCOPE: signal_errors(sensors.gyroscope),
+    }
+    blocks = {ACCELEROMETER: sensors.accelerometer, GYROSCOPE: sensors.gyroscope}
+
+    def of(name: str) -> Array:
+        return np.array([getattr(elements[c.element], name)[c.axis] for c in channels])
+
+    def constant(name: str) -> Array:
+        return np.array([_axis(getattr(blocks[c.element], name), c.axis) for c in channels])
+
+    white = np.array([sample_deviation(density, sensors.rate) for density in of("noise_density")])
+    processes = tuple(
+        _processes(elements[c.element], c.axis, sensors, float(deviation), duration)
+        for c, deviation in zip(channels, white, strict=True)
+    )
+    calibrated = sensors.calibration is not None
     return ChannelErrors(
-        white=np.array([sample_deviation(density, sensors.rate) for density in densities]),
-        miscalibration=np.array(
-            [accelerometer.miscalibration, accelerometer.miscalibration, gyroscope.miscalibration]
+        elements=tuple(c.element for c in channels),
+        white=white,
+        miscalibration=constant("miscalibration"),
+        turn_on_bias=0.0 * white if calibrated else constant("turn_on_bias"),
+        # At rest gravity is there as well: calibration takes its effect away.
+        gravity_bias=0.0 * white if calibrated else gravity * _sensitivities(elements, channels),
+        processes=processes,
+        mixing=tuple(_mixing(elements, channels)),
+        ranges=of("range"),
+        resolutions=of("resolution"),
+        spike_rates=np.array([elements[c.element].spike_rate for c in channels]),
+        spike_amplitudes=np.array([elements[c.element].spike_amplitude for c in channels]),
+        bandwidths=tuple(map(float, of("bandwidth"))),
+        time_jitter=sensors.time_jitter,
+        calibrated=calibrated,
+    )
+
+
+def _axis(values: tuple[float, ...] | None, axis: int) -> float:
+    if values is None:
+        return 0.0
+    return values[axis] if len(values) > 1 else values[0]
+
+
+def _processes(
+    element: SignalErrors, axis: int, sensors: Sensors, white: float, duration: float
+) -> Processes:
+    calibration = sensors.calibration
+    at_rest = calibration.duration if calibration is not None else 0.0
+    processes = processes_of(
+        float(element.bias_instability[axis]),
+        float(element.random_walk[axis]),
+        float(element.drift[axis]),
+        float(element.drift_time[axis]),
+        1.0 / sensors.rate,
+        duration + at_rest,
+    )
+    if calibration is None:
+        return processes
+    samples = max(1, round(calibration.duration * sensors.rate))
+    if white == 0.0 and processes.count == 0:
+        return NO_PROCESSES  # nothing hides the bias
+    return after_calibration(processes, white, samples, calibration.method)
+
+
+def _sensitivities(elements: dict[str, SignalErrors], channels: Sequence[Channel]) -> Array:
+    return np.array(
+        [
+            elements[c.element].g_sensitivity[c.axis] if c.element == GYROSCOPE else 0.0
+            for c in channels
+        ]
+    )
+
+
+def _mixing(elements: dict[str, SignalErrors], channels: Sequence[Channel]) -> list[Mixing]:
+    """Scale factors, angles between the axes of an element, g-sensitivity of gyroscopes."""
+    entries = []
+    for i, target in enumerate(channels):
+        own = elements[target.element]
+        name = target.element
+        for k, source in enumerate(channels):
+            if i == k:
+                entry = Mixing(i, k, float(own.scale_factor[target.axis]), f"{name} scale factor")
+            elif source.element == target.element:
+                entry = Mixing(i, k, float(own.misalignment[target.axis]), f"{name} misalignment")
+            elif target.element == GYROSCOPE:
+                entry = Mixing(i, k, float(own.g_sensitivity[target.axis]), f"{name} g-sensitivity")
+            else:
+                continue
+            if entry.deviation > 0.0:
+                entries.append(entry)
+    return entries
+
+
+def saturates(errors: ChannelErrors, signals: Array, spread: Array) -> bool:
+    """Whether a channel's range can matter: signals (n, c), ``spread`` (c,) what errors may add."""
+    reach = np.max(np.abs(signals), axis=0) + spread + errors.spike_amplitudes
+    return bool(np.any(reach > errors.ranges)) and not math.isinf(float(np.min(errors.ranges)))
+
+
+def per_interval(errors: ChannelErrors, rates: Sequence[bool], interval: float) -> ChannelErrors:
+    """The same errors with increments per sampling interval in the place of angular rates."""
+    factor = np.where(rates, interval, 1.0)
+    return replace(
+        errors,
+        white=factor * errors.white,
+        miscalibration=factor * errors.miscalibration,
+        turn_on_bias=factor * errors.turn_on_bias,
+        gravity_bias=factor * errors.gravity_bias,
+        processes=tuple(p.scaled(float(f)) for p, f in zip(errors.processes, factor, strict=True)),
+        mixing=tuple(
+            replace(m, deviation=m.deviation * float(factor[m.target] / factor[m.source]))
+            for m in errors.mixing
         ),
+        ranges=factor * errors.ranges,
+        resolutions=factor * errors.resolutions,
+        spike_amplitudes=factor * errors.spike_amplitudes,
     )

@@ -15,12 +15,12 @@ def reconstruct(problem, key: int, realizations, trapezoidal: bool) -> dict[str,
     truth, t = problem.truth, problem.interval
     n = problem.n_samples
     z = constants(key, realizations)
-    d = problem.deviations
+    d = np.append(problem.sensor_errors.offsets, problem.initial_deviations)
     white = np.concatenate([z[None, 8:11], white_noise(key, realizations, n)])
     measured = (
         problem.signals[:, :, None]
         + (d[:3, None] * z[:3])[None]
-        + problem.white[None, :, None] * white
+        + problem.sensor_errors.white[None, :, None] * white
     )
     psi = truth.heading[0] + d[4] * z[4] + d[5] * z[5]
     chi = truth.course[0] + d[4] * z[4] + d[6] * z[6]

@@ -1,0 +1,129 @@
+"""Coloured noise of one channel as innovations: one normal per sample makes all of it.
+
+The noise is a sum of first-order processes, ``x_s[k+1] = decay_s x_s[k] + w_s[k]``, and white
+noise.  A Kalman filter that watches it turns it into its own one-step prediction plus
+an independent normal, with the same distribution (Anderson & Moore, *Optimal Filtering*,
+sect. 9.2; in matrix words the Cholesky factor of its covariance).  So a kernel needs one
+normal per sample and channel however many processes there are, and no process needs a start.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.kernels.compilation import kernel, scalar
+
+Array = NDArray[np.float64]
+
+
+@scalar
+def _predict(decay, step_variance, covariance):
+    """Covariance of the states one step on."""
+    m = len(decay)
+    for a in range(m):
+        for b in range(m):
+            covariance[a, b] *= decay[a] * decay[b]
+        covariance[a, a] += step_variance[a]
+
+
+@scalar
+def _watch(white, covariance, gain):
+    """Take in a measurement of the sum with white noise: variance of the innovation."""
+    m = len(gain)
+    total = white * white
+    for a in range(m):
+        gain[a] = 0.0
+        for b in range(m):
+            gain[a] += covariance[a, b]
+        total += gain[a]
+    if total <= 0.0:
+        for a in range(m):
+            gain[a] = 0.0
+        return 0.0
+    for a in range(m):
+        gain[a] /= total
+    for a in range(m):
+        for b in range(m):
+            covariance[a, b] -= gain[a] * gain[b] * total
+    return total
+
+
+@kernel
+def innovations(
+    decay: Array,
+    step_variance: Array,
+    white: float,
+    covariance: Array,
+    deviations: Array,
+    gains: Array,
+) -> None:
+    """Deviation of every sample's innovation, and what it adds to the predicted processes.
+
+    Parameters
+    ----------
+    decay, step_variance : float64 (m,)
+        Of the processes, per sample.
+    white : float
+        Deviation of the white noise of a sample.
+    covariance : float64 (m, m), overwritten
+        Of the processes at the first sample; at the return, one step after the last.
+    deviations : float64 (n,), written
+        Standard deviations of the innovations.
+    gains : float64 (n, m), written
+        What a unit normal adds to each process' prediction for the next sample.
+    """
+    m = len(decay)
+    gain = np.empty(m)
+    for k in range(len(deviations)):
+        deviations[k] = math.sqrt(_watch(white, covariance, gain))
+        for a in range(m):
+            gains[k, a] = decay[a] * gain[a] * deviations[k]
+        _predict(decay, step_variance, covariance)
+
+
+@kernel
+def watched(
+    decay: Array, step_variance: Array, white: float, samples: int, covariance: Array
+) -> None:
+    """Covariance of the processes after a Kalman filter has watched their noisy sum.
+
+    Parameters are those of ``innovations``; ``covariance`` is that one step after the last
+    of ``samples`` samples.
+    """
+    gain = np.empty(len(decay))
+    for _ in range(samples):
+        _watch(white, covariance, gain)
+        _predict(decay, step_variance, covariance)
+
+
+@kernel
+def averaged(
+    decay: Array, step_variance: Array, white: float, samples: int, covariance: Array
+) -> None:
+    """Covariance of the processes and of the mean of their noisy sum over some samples.
+
+    ``covariance`` (m + 1, m + 1) begins with that of the processes; its last row and column
+    (zero before) are those of the mean, one step after the last sample.
+    """
+    m = len(decay)
+    share = 1.0 / samples
+    for _ in range(samples):
+        # The mean grows by the sum of the processes and the white noise.
+        for b in range(m + 1):
+            for a in range(m):
+                covariance[m, b] += share * covariance[a, b]
+        for a in range(m + 1):
+            for b in range(m):
+                covariance[a, m] += share * covariance[a, b]
+        covariance[m, m] += (share * white) ** 2
+        for a in range(m):
+            for b in range(m + 1):
+                covariance[a, b] *= decay[a]
+        for a in range(m + 1):
+            for b in range(m):
+                covariance[a, b] *= decay[b]
+        for a in range(m):
+            covariance[a, a] += step_variance[a]

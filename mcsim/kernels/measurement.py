@@ -1,0 +1,192 @@
+"""What sensors make of the true signals, sample by sample: every case's kernel measures here.
+
+A channel's measured value is made in this order: the true signal, mixed with other channels
+(scale factors, misalignment, g-sensitivity) by coefficients drawn once per realization,
+constant offsets, sample-time jitter, coloured and white noise (see ``innovations``),
+spikes, saturation, quantisation.  Terms that a scenario leaves out have empty arrays and cost
+nothing; scenarios with offsets and white noise alone take the kernels' fast paths.
+
+Scratch arrays are flat, one row of ``LANES`` values after the other.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import uint32
+
+from mcsim.kernels.compilation import scalar
+from mcsim.kernels.lanes import LANES
+from mcsim.kernels.random import normal_pair, xoshiro_next
+
+#: Stream of a realization for jitter and spikes (see ``lanes``).
+EVENTS = 2
+#: Processes come in multiples of this; missing ones have no gain.
+FOUR = 4
+
+
+@scalar
+def _row(array, number):
+    """Row ``number`` of a flat array.
+
+    Loops run over such slices: an index that a variable row number enters could be negative for
+    all that LLVM knows, and it would not vectorise.
+    """
+    return array[number * LANES : (number + 1) * LANES]
+
+
+@scalar
+def draw_coefficients(mix_deviation, first_row, constants, coefficients):
+    """Coefficients of the mixing entries, from the constants' rows ``first_row`` and following."""
+    for entry in range(len(mix_deviation)):
+        deviation = mix_deviation[entry]
+        normals = _row(constants, first_row + entry)
+        own = _row(coefficients, entry)
+        for j in range(LANES):
+            own[j] = deviation * normals[j]
+
+
+@scalar
+def _truth_and_noise(value, deviation, offsets, normals, measured):
+    """The true value, the constant offset, and what a normal adds."""
+    for j in range(LANES):
+        measured[j] = value + offsets[j] + deviation * normals[j]
+
+
+@scalar
+def _mix(value, coefficients, measured):
+    """Add what shows of another channel's true value."""
+    for j in range(LANES):
+        measured[j] += coefficients[j] * value
+
+
+@scalar
+def _processes(decay, gains, normals, processes, measured):
+    """Add four processes' predictions, and move them on by one sample."""
+    d0, d1, d2, d3 = decay[0], decay[1], decay[2], decay[3]
+    g0, g1, g2, g3 = gains[0], gains[1], gains[2], gains[3]
+    for j in range(LANES):
+        z = np.float64(normals[j])
+        x0 = processes[j]
+        x1 = processes[LANES + j]
+        x2 = processes[2 * LANES + j]
+        x3 = processes[3 * LANES + j]
+        measured[j] += (x0 + x1) + (x2 + x3)
+        processes[j] = d0 * x0 + g0 * z
+        processes[LANES + j] = d1 * x1 + g1 * z
+        processes[2 * LANES + j] = d2 * x2 + g2 * z
+        processes[3 * LANES + j] = d3 * x3 + g3 * z
+
+
+@scalar
+def _draw_event_normals(event_state, event_normals):
+    """One normal per lane from the stream of events."""
+    for j in range(LANES):
+        s0 = event_state[j]
+        s1 = event_state[LANES + j]
+        s2 = event_state[2 * LANES + j]
+        s3 = event_state[3 * LANES + j]
+        a, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
+        b, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
+        event_normals[j], _ = normal_pair(a, b)
+        event_state[j] = s0
+        event_state[LANES + j] = s1
+        event_state[2 * LANES + j] = s2
+        event_state[3 * LANES + j] = s3
+
+
+@scalar
+def _spike(threshold, amplitude, event_state, measured):
+    """Add plus or minus the amplitude where a random word falls below the threshold."""
+    for j in range(LANES):
+        s0 = event_state[j]
+        s1 = event_state[LANES + j]
+        s2 = event_state[2 * LANES + j]
+        s3 = event_state[3 * LANES + j]
+        word, s0, s1, s2, s3 = xoshiro_next(s0, s1, s2, s3)
+        height = amplitude if (word & uint32(1)) == uint32(0) else -amplitude
+        measured[j] += height if (word >> uint32(1)) < threshold else 0.0
+        event_state[j] = s0
+        event_state[LANES + j] = s1
+        event_state[2 * LANES + j] = s2
+        event_state[3 * LANES + j] = s3
+
+
+@scalar
+def _saturate(largest, measured):
+    for j in range(LANES):
+        value = measured[j]
+        value = value if value < largest else largest
+        measured[j] = value if value > -largest else -largest
+
+
+@scalar
+def _quantise(resolution, measured):
+    """Round to the nearest step."""
+    steps = 1.0 / resolution
+    for j in range(LANES):
+        measured[j] = resolution * math.floor(measured[j] * steps + 0.5)
+
+
+@scalar
+def measure(
+    i,
+    channels,
+    row,
+    normals,
+    signals,
+    offsets,
+    mix_to,
+    mix_from,
+    coefficients,
+    innovation,
+    gains,
+    decay,
+    processes,
+    jitter,
+    spike_thresholds,
+    spike_amplitudes,
+    ranges,
+    resolutions,
+    event_state,
+    measured,
+):
+    """All channels of sample ``i``; their normals begin at row ``row``, one row per channel.
+
+    The last of the ``coefficients``' rows is scratch.  Processes come in fours.
+    """
+    for channel in range(channels):
+        _truth_and_noise(
+            signals[i, channel],
+            innovation[i, channel],
+            _row(offsets, channel),
+            _row(normals, row + channel),
+            _row(measured, channel),
+        )
+    for entry in range(len(mix_to)):
+        value = signals[i, mix_from[entry]]
+        _mix(value, _row(coefficients, entry), _row(measured, mix_to[entry]))
+    if jitter.shape[0] > 0:
+        common = _row(coefficients, len(mix_to))
+        _draw_event_normals(event_state, common)
+        for channel in range(channels):
+            _mix(jitter[i, channel], common, _row(measured, channel))
+    count = decay.shape[1]
+    for channel in range(channels):
+        own = _row(measured, channel)
+        for first in range(0, count, FOUR):
+            begin = (channel * count + first) * LANES
+            _processes(
+                decay[channel, first : first + FOUR],
+                gains[i, channel, first : first + FOUR],
+                _row(normals, row + channel),
+                processes[begin : begin + FOUR * LANES],
+                own,
+            )
+        if len(spike_thresholds) > 0:
+            _spike(spike_thresholds[channel], spike_amplitudes[channel], event_state, own)
+        if len(ranges) > 0:
+            _saturate(ranges[channel], own)
+            if resolutions[channel] > 0.0:
+                _quantise(resolutions[channel], own)

@@ -1,0 +1,186 @@
+"""In-run noise as a sum of first-order processes, and what calibration leaves of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.sensors.noise_processes import FLICKER_RATIO, flicker_times
+
+Array = NDArray[np.float64]
+
+#: Prior deviation of a bias that a Kalman filter is to find, in deviations of everything else.
+_DIFFUSE = 1e4
+#: Names of the terms in budgets.
+FLICKER, WALK, DRIFT, LEFT_OVER = (
+    "bias instability",
+    "random walk",
+    "Gauss-Markov drift",
+    "bias left by calibration",
+)
+
+
+@dataclass(frozen=True)
+class Processes:
+    """First-order processes whose sum is a channel's coloured noise.
+
+    ``decay`` and ``step_variance`` (m,) per sample; ``start`` (m, m) is their covariance at the
+    first sample; ``terms`` says which of them belong to which term of the error model.
+    """
+
+    decay: Array
+    step_variance: Array
+    start: Array
+    terms: Mapping[str, slice]
+
+    @property
+    def count(self) -> int:
+        return len(self.decay)
+
+    def scaled(self, factor: float) -> Processes:
+        """The same noise in another unit."""
+        return replace(
+            self, step_variance=factor**2 * self.step_variance, start=factor**2 * self.start
+        )
+
+    def only(self, term: str) -> Processes:
+        """One term alone."""
+        own = self.terms[term]
+        return Processes(
+            self.decay[own], self.step_variance[own], self.start[own, own], {term: slice(None)}
+        )
+
+
+@dataclass(frozen=True)
+class Innovations:
+    """Deviations (n,) of the samples' innovations and their gains (n, m); see the kernel."""
+
+    deviations: Array
+    gains: Array
+    decay: Array
+
+
+NO_PROCESSES = Processes(np.zeros(0), np.zeros(0), np.zeros((0, 0)), {})
+
+
+def processes_of(
+    bias_instability: float,
+    random_walk: float,
+    drift: float,
+    correlation_time: float,
+    interval: float,
+    duration: float,
+) -> Processes:
+    """The processes of one channel.
+
+    Parameters
+    ----------
+    bias_instability : float
+        Allan's B; flicker noise is approximated by Gauss-Markov processes of equal variance
+        ``B² ln(r) / π`` with correlation times in the ratio r, from half a sampling interval to
+        ten times ``duration``.
+    random_walk : float
+        Allan's K; from zero, with steps of ``K √dt``.
+    drift, correlation_time : float
+        Deviation and correlation time of a Gauss-Markov process in its stationary state,
+        Eq. (3.27)-(3.29) of the thesis; an infinite time makes it a constant.
+    interval, duration : float
+        Sampling interval and length of the run (s).
+    """
+    decay: list[float] = []
+    steps: list[float] = []
+    start: list[float] = []
+    terms: dict[str, slice] = {}
+
+    def add(term: str, times: Array, variance: float) -> None:
+        terms[term] = slice(len(decay), len(decay) + len(times))
+        for time in times:
+            decay.append(math.exp(-interval / time))
+            # expm1 keeps the small steps of long correlation times.
+            steps.append(-variance * math.expm1(-2.0 * interval / time))
+            start.append(variance)
+
+    if bias_instability > 0.0:
+        variance = bias_instability**2 * math.log(FLICKER_RATIO) / math.pi
+        add(FLICKER, flicker_times(interval, duration), variance)
+    if drift > 0.0:
+        add(DRIFT, np.array([correlation_time]), drift**2)
+    if random_walk > 0.0:
+        terms[WALK] = slice(len(decay), len(decay) + 1)
+        decay.append(1.0)
+        steps.append(random_walk**2 * interval)
+        start.append(0.0)
+    return Processes(np.array(decay), np.array(steps), np.diag(np.array(start)), terms)
+
+
+def innovations_of(processes: Processes, white: float, count: int) -> Innovations:
+    """The channel's whole noise as innovations of ``count`` samples."""
+    from mcsim.kernels.innovations import innovations
+
+    deviations = np.empty(count)
+    gains = np.empty((count, processes.count))
+    innovations(
+        processes.decay,
+        processes.step_variance,
+        white,
+        processes.start.copy(),
+        deviations,
+        gains,
+    )
+    return Innovations(deviations, gains, processes.decay)
+
+
+def after_calibration(processes: Processes, white: float, samples: int, method: str) -> Processes:
+    """What is left of a channel's bias after ``samples`` samples at rest.
+
+    The sensor stands still and its constant bias, whatever it is, is estimated together
+    with the in-run processes: by the ``mean`` of the samples, or by a ``kalman`` filter that
+    knows the processes.  What the estimate misses goes on as one more process that stays
+    constant, with its correlation to the others.
+    """
+    from mcsim.kernels.innovations import averaged, watched
+
+    m = processes.count
+    start = np.zeros((m + 1, m + 1))
+    start[:m, :m] = processes.start
+    decay = np.append(processes.decay, 1.0)
+    steps = np.append(processes.step_variance, 0.0)
+    if method == "mean":
+        averaged(processes.decay, processes.step_variance, white, samples, start)
+        # The run's bias is the processes less the mean.
+        start[m, :m] *= -1.0
+        start[:m, m] *= -1.0
+    else:
+        known = white**2 + float(np.trace(processes.start)) + float(np.sum(steps) * samples)
+        start[m, m] = _DIFFUSE**2 * known
+        watched(decay, steps, white, samples, start)
+    return Processes(decay, steps, start, {LEFT_OVER: slice(None)})
+
+
+def folded(weights: Array, innovations: Innovations) -> Array:
+    """Weights (e, n) of a channel's samples as weights of their unit normals.
+
+    A normal acts on its own sample and, through the processes, on all later ones.
+    """
+    from scipy.signal import lfilter
+
+    result = weights * innovations.deviations
+    for s, decay in enumerate(innovations.decay):
+        # Sum over the later samples of decay^(distance) weight.
+        later = lfilter([1.0], [1.0, -decay], weights[:, ::-1], axis=1)[:, ::-1]
+        result[:, :-1] += later[:, 1:] * innovations.gains[:-1, s]
+    return np.asarray(result, float)
+
+
+def term_variances(weights: Array, processes: Processes) -> Mapping[str, Array]:
+    """Variance (e,) that each term alone makes of errors with these weights (e, n)."""
+    variances = {}
+    for term in processes.terms:
+        alone = processes.only(term)
+        normals = folded(weights, innovations_of(alone, 0.0, weights.shape[1]))
+        variances[term] = np.sum(normals**2, axis=1)
+    return variances

@@ -1,0 +1,217 @@
+"""Sensor errors of a case's channels, laid out for the kernels, and their linear effect."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.sensors.coloured import Innovations, folded, innovations_of, term_variances
+from mcsim.sensors.error_model import ChannelErrors, saturates
+
+Array = NDArray[np.float64]
+
+#: Standard deviations that bound the errors of practically all realizations.
+_WIDE = 7.0
+
+
+@dataclass(frozen=True)
+class NormalWeights:
+    """Linear errors per unit normal: of each sample (e, n + 1, c), of the constant offsets
+    (e, c), of the mixing coefficients (e, m)."""
+
+    samples: Array
+    offsets: Array
+    mixing: Array
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance (e, e) of the linear errors that the sensors' normals make."""
+        parts = (self.samples.reshape(len(self.samples), -1), self.offsets, self.mixing)
+        return np.asarray(sum(part @ part.T for part in parts), float)
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What a kernel needs to measure with errors; see ``mcsim.kernels.measurement``.
+
+    ``white`` and ``offsets`` (c,) serve the fast paths, ``arrays`` the other ones; these are
+    empty where white noise and offsets are all there is.
+    """
+
+    errors: ChannelErrors
+    white: Array
+    offsets: Array
+    mix_to: NDArray[np.int64]
+    mix_from: NDArray[np.int64]
+    mix_deviation: Array
+    innovations: tuple[Innovations, ...]
+    jitter: Array
+    spike_thresholds: NDArray[np.uint32]
+    spike_amplitudes: Array
+    ranges: Array
+    resolutions: Array
+
+    @classmethod
+    def of(cls, errors: ChannelErrors, signals: Array, interval: float) -> Measurement:
+        """Errors of channels that measure ``signals`` (n + 1, c)."""
+        slopes = np.gradient(signals, axis=0) / interval
+        spread = _WIDE * _spread(errors, signals)
+        ranged = saturates(errors, signals, spread)
+        digital = ranged or bool(np.any(errors.resolutions))
+        probability = np.minimum(errors.spike_rates * interval, 1.0)
+        spiky = bool(np.any(probability * errors.spike_amplitudes))
+        coloured = any(p.count for p in errors.processes)
+        plain = not (errors.mixing or coloured or digital or spiky or errors.time_jitter > 0.0)
+        c = signals.shape[1]
+        return cls(
+            errors=errors,
+            white=errors.white,
+            offsets=errors.offsets,
+            mix_to=np.array([m.target for m in errors.mixing], np.int64),
+            mix_from=np.array([m.source for m in errors.mixing], np.int64),
+            mix_deviation=np.array([m.deviation for m in errors.mixing], float),
+            innovations=()
+            if plain
+            else tuple(
+                innovations_of(p, float(white), len(signals))
+                for p, white in zip(errors.processes, errors.white, strict=True)
+            ),
+            jitter=slopes * errors.time_jitter if errors.time_jitter > 0.0 else np.zeros((0, c)),
+            spike_thresholds=np.round(probability * 2.0**31).astype(np.uint32)
+            if spiky
+            else np.zeros(0, np.uint32),
+            spike_amplitudes=errors.spike_amplitudes if spiky else np.zeros(0),
+            ranges=errors.ranges if digital else np.zeros(0),
+            resolutions=errors.resolutions if digital else np.zeros(0),
+        )
+
+    @classmethod
+    def none(cls, errors: ChannelErrors) -> Measurement:
+        """Measurement without any error, for the same channels."""
+        c = len(errors.white)
+        empty, whole = np.zeros(0), np.zeros(0, np.int64)
+        return cls(
+            errors,
+            np.zeros(c),
+            np.zeros(c),
+            whole,
+            whole,
+            empty,
+            (),
+            np.zeros((0, c)),
+            np.zeros(0, np.uint32),
+            empty,
+            empty,
+            empty,
+        )
+
+    @cached_property
+    def arrays(self) -> tuple[Any, ...]:
+        """Arguments of the kernels, from ``mix_to`` to ``resolutions``."""
+        c = len(self.white)
+        most = max((len(i.decay) for i in self.innovations), default=0)
+        most = -(-most // 4) * 4  # the kernels take processes in fours
+        n = len(self.innovations[0].deviations) if self.innovations else 0
+        innovation, gains = np.zeros((n, c)), np.zeros((n, c, most))
+        decay = np.zeros((c, most))
+        for k, own in enumerate(self.innovations):
+            count = len(own.decay)
+            innovation[:, k] = own.deviations
+            gains[:, k, :count] = own.gains
+            decay[k, :count] = own.decay
+        return (
+            self.mix_to,
+            self.mix_from,
+            self.mix_deviation,
+            innovation,
+            gains,
+            decay,
+            self.jitter,
+            self.spike_thresholds,
+            self.spike_amplitudes,
+            self.ranges,
+            self.resolutions,
+        )
+
+    def largest(self, signals: Array, channel: int) -> float:
+        """A bound of a channel's values that practically no realization exceeds."""
+        spread = 0.0
+        if np.any(self.white) or np.any(self.offsets) or self.innovations:
+            spread = _WIDE * float(_spread(self.errors, signals)[channel])
+            spread += float(np.sum(self.errors.spike_amplitudes[channel]))
+        return float(np.max(np.abs(signals[:, channel]))) + spread
+
+    def fold(self, weights: Array, signals: Array) -> NormalWeights:
+        """Weights (e, n + 1, c) of the channels' errors as weights of their unit normals."""
+        samples = weights * self.white
+        if self.innovations:
+            for k, own in enumerate(self.innovations):
+                samples[:, :, k] = folded(weights[:, :, k], own)
+        return NormalWeights(
+            samples=samples,
+            offsets=weights.sum(axis=1) * self.offsets,
+            mixing=self._mixing_weights(weights, signals),
+        )
+
+    def _mixing_weights(self, weights: Array, signals: Array) -> Array:
+        """Linear errors (e, m) per unit normal of each mixing coefficient."""
+        columns = [
+            (weights[:, :, m.target] @ signals[:, m.source]) * m.deviation
+            for m in self.errors.mixing
+        ]
+        return np.stack(columns, axis=1) if columns else np.zeros((len(weights), 0))
+
+    def variances(self, weights: Array, signals: Array) -> Mapping[str, Array]:
+        """Variance (e,) of the linear errors by source, sensor elements told apart."""
+        errors = self.errors
+        of_white = np.sum((weights * self.white) ** 2, axis=1)
+        of_offset = weights.sum(axis=1) ** 2
+        found: dict[str, Array] = {}
+
+        def add(source: str, variance: Array) -> None:
+            found[source] = found.get(source, 0.0) + variance
+
+        for k, element in enumerate(errors.elements):
+            add(f"{element} noise", of_white[:, k])
+            for source, deviation in (
+                ("miscalibration", errors.miscalibration),
+                ("turn-on bias", errors.turn_on_bias),
+                ("g-sensitivity", errors.gravity_bias),
+            ):
+                add(f"{element} {source}", of_offset[:, k] * deviation[k] ** 2)
+            for term, variance in term_variances(weights[:, :, k], errors.processes[k]).items():
+                add(f"{element} {term}", variance)
+            each = np.sum(weights[:, :, k] ** 2, axis=1)
+            # A rounding error is uniform over a step, where the noise is no smaller.
+            add(f"{element} quantisation", each * errors.resolutions[k] ** 2 / 12.0)
+            if len(self.spike_thresholds):
+                probability = float(self.spike_thresholds[k]) * 2.0**-31
+                add(f"{element} spikes", each * probability * errors.spike_amplitudes[k] ** 2)
+        mixed = self._mixing_weights(weights, signals)
+        for column, entry in enumerate(errors.mixing):
+            add(entry.term, mixed[:, column] ** 2)
+        if len(self.jitter):
+            common = np.einsum("enc,nc->en", weights, self.jitter)
+            add("sample-time jitter", np.sum(common**2, axis=1))
+        return found
+
+
+def _spread(errors: ChannelErrors, signals: Array) -> Array:
+    """Standard deviation (c,) of all errors of a sample together, with some room."""
+    largest = np.max(np.abs(signals), axis=0)
+    variance = errors.white**2 + errors.offsets**2
+    for k, p in enumerate(errors.processes):
+        last = np.trace(p.start) + len(signals) * float(np.sum(p.step_variance[p.decay >= 1.0]))
+        variance[k] += last
+    for entry in errors.mixing:
+        variance[entry.target] += (entry.deviation * largest[entry.source]) ** 2
+    if errors.time_jitter > 0.0 and len(signals) > 1:
+        steps = np.max(np.abs(np.diff(signals, axis=0)), axis=0)
+        variance += steps**2
+    return np.asarray(np.sqrt(variance) + errors.resolutions / math.sqrt(12.0), float)
