@@ -50,7 +50,7 @@ def _per(factors: Mapping[str, float], divisors: Mapping[str, float]) -> dict[st
 
 
 _LENGTH = {"m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6}
-_TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "min": 60.0, "h": 3600.0}
+_TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 _ANGLE = {"°": _DEG, "rad": 1.0, "mrad": 1e-3, "µrad": 1e-6}
 _FREQUENCY = {"Hz": 1.0, "kHz": 1e3}
 _SPEED = {"m/s": 1.0, "km/h": 1 / 3.6, "mm/s": 1e-3, "cm/s": 1e-2, "mph": 0.44704}
@@ -72,6 +72,7 @@ _RATE = {
 }
 _ROOT_HERTZ = {"√Hz": 1.0}
 _ROOT_TIME = {"√s": 1.0, "√h": 60.0}
+_TIME_TO_3_2 = {"s^1.5": 1.0, "h^1.5": 3600.0**1.5}
 
 _KINDS = (
     Kind("length", "a", "m", _LENGTH, "50 m", largest=1e8),
@@ -79,7 +80,7 @@ _KINDS = (
     Kind("angle", "an", "rad", _ANGLE, "0.1 °"),
     Kind("frequency", "a", "Hz", _FREQUENCY, "100 Hz"),
     Kind("speed", "a", "m/s", _SPEED, "20 m/s"),
-    Kind("acceleration", "an", "m/s²", _ACCELERATION, "0.01 m/s²"),
+    Kind("acceleration", "an", "m/s²", {**_ACCELERATION, "m/s/h": 1 / 3600}, "0.01 m/s²"),
     Kind("angular rate", "an", "rad/s", _RATE, "0.1 °/s"),
     Kind(
         "acceleration noise density",
@@ -109,6 +110,20 @@ _KINDS = (
         {**_per({"°": _DEG, "rad": 1.0}, _ROOT_TIME), **_per(_RATE, _ROOT_HERTZ)},
         "0.2 °/√h",
     ),
+    Kind(
+        "acceleration random walk",
+        "an",
+        "m/s²/√s",
+        {**_per(_ACCELERATION, _ROOT_TIME), **_per({"m/s": 1.0}, _TIME_TO_3_2)},
+        "2 m/s/h^1.5",
+    ),
+    Kind(
+        "rate random walk",
+        "a",
+        "rad/s/√s",
+        {**_per(_RATE, _ROOT_TIME), **_per({"°": _DEG, "rad": 1.0}, _TIME_TO_3_2)},
+        "5 °/h^1.5",
+    ),
     Kind("ratio", "a", "1", {"%": 1e-2, "ppm": 1e-6}, "1 %"),
     Kind("confidence", "a", "σ", {"σ": 1.0, "%": math.nan}, "3 sigma"),
 )
@@ -124,7 +139,13 @@ _SPELLINGS = (
     ("\N{GREEK SMALL LETTER MU}", "µ"),
     ("\N{MASCULINE ORDINAL INDICATOR}", "°"),
     ("**", "^"),
+    ("s^-1", "/s"),
+    ("s⁻¹", "/s"),
+    ("s^-2", "/s²"),
+    ("s⁻²", "/s²"),
     ("^2", "²"),
+    ("^(3/2)", "^1.5"),
+    ("^{3/2}", "^1.5"),
     ("^0.5", "^½"),
     ("sqrt", "√"),
     ("degrees", "°"),
@@ -151,6 +172,7 @@ _WORDS = {
     "hz": "Hz",
     "rtHz": "√Hz",
     "m/s/s": "m/s²",
+    "m/s2": "m/s²",
     "mps": "m/s",
 }
 

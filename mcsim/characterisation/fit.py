@@ -1,0 +1,348 @@
+"""Noise coefficients Q, N, B, K and R from an Allan curve, with intervals.
+
+The Allan variance is linear in the squares of the coefficients.  They are fitted by
+non-negative least squares, weighted with the covariance that the estimates have under
+the fitted model itself (Greenhall and Riley 2003), which is iterated.  Overlapping
+clusters scatter together; weights that know it make the most of the long ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.characterisation.allan import (
+    AllanCurve,
+    Covariances,
+    allan_terms,
+    covariances,
+    gauss_markov_variance,
+)
+from mcsim.kernels.allan import NOISES
+
+Array = NDArray[np.float64]
+
+#: The terms of the model, in the order of all arrays here.
+TERMS = ("Q", "N", "B", "K", "R")
+Q, N, B, K, R = range(5)
+#: Terms that every fit holds; the others must prove that the data need them.
+_KEPT = (N, B, K)
+#: Relative error of the model itself at each cluster time, on the variance.
+_MODEL_ERROR = 0.003
+#: Reduction of χ² that a further term must bring (4 σ for one term).
+_NEEDED = 16.0
+#: Deviation from the model, in standard errors, at which the shortest clusters are left out.
+_MISFIT = 5.0
+#: Probability of a χ² at which the model no longer explains the curve by scatter alone.
+_UNLIKELY = 0.01
+#: An upper end beyond this multiple of the estimate's square is none.
+_LARGEST_RATIO = 1e6
+_ITERATIONS = 30
+#: Of a correlation matrix; what is smaller is rounding and the neglect of far pairs.
+_LEAST_EIGENVALUE = 1e-4
+_FEWEST_TIMES = 6
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A coefficient in SI units with its interval; 0 where the data show nothing of it."""
+
+    value: float
+    low: float
+    high: float
+
+    @property
+    def seen(self) -> bool:
+        """Whether the interval excludes zero."""
+        return self.low > 0.0
+
+
+@dataclass(frozen=True)
+class GaussMarkov:
+    """First-order Gauss-Markov process, Eq. (3.27): correlation time (s), deviation."""
+
+    correlation_time: float
+    deviation: float
+
+
+@dataclass(frozen=True)
+class GaussMarkovFit:
+    """White noise, random walk and a Gauss-Markov bias in flicker's place."""
+
+    model: GaussMarkov
+    time_low: float
+    time_high: float
+    white: float
+    random_walk: float
+    chi_square: float
+
+
+@dataclass(frozen=True)
+class NoiseFit:
+    """Coefficients of the model over ``tau_from`` to ``tau_to`` (s).
+
+    ``squares`` float64 (5,) are Q², N², B², K², R² in SI units.
+    """
+
+    coefficients: dict[str, Coefficient]
+    squares: Array
+    tau_from: float
+    tau_to: float
+    chi_square: float
+    times: int
+    confidence: float
+    stated_range: bool
+    gauss_markov: GaussMarkovFit | None = None
+
+    def deviation(self, tau: Array) -> Array:
+        """Allan deviation (k,) of the fitted model."""
+        return np.sqrt(allan_terms(tau) @ self.squares)
+
+    def __getitem__(self, term: str) -> Coefficient:
+        return self.coefficients[term]
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """The part of a curve that is fitted, and how its points scatter."""
+
+    tau: Array
+    variance: Array
+    scatter: Covariances
+
+    def covariance(self, squares: Array) -> Array:
+        expected = allan_terms(self.tau) @ squares
+        mixed = self.scatter.of(squares[:NOISES], squares[R])
+        return mixed + np.diag((_MODEL_ERROR * expected) ** 2)
+
+    def from_time(self, first: int) -> _Problem:
+        part = Covariances(
+            self.scatter.products[:, :, first:, first:], self.scatter.ramps[:, first:, first:]
+        )
+        return _Problem(self.tau[first:], self.variance[first:], part)
+
+
+@dataclass(frozen=True)
+class _Solution:
+    squares: Array
+    whitening: Array
+    chi_square: float
+
+
+def fit_noise(
+    curve: AllanCurve,
+    tau_range: tuple[float, float] | None = None,
+    confidence: float = 0.95,
+) -> NoiseFit:
+    """Fit Q, N, B, K and R to an overlapping Allan curve.
+
+    Q and R enter only where χ² demands them.  Without a ``tau_range`` (s) the shortest
+    clusters are left out as long as they contradict the model, as those of a sensor
+    with a low-pass filter do.
+
+    Raises
+    ------
+    ValueError
+        Fewer than six cluster times in the range.
+    """
+    problem = _problem(curve, tau_range)
+    free = tau_range is None
+    while True:
+        terms, solution = _choose_terms(problem)
+        if not free or len(problem.tau) <= _FEWEST_TIMES or not _first_misfits(problem, terms):
+            break
+        problem = problem.from_time(1)
+    fit = NoiseFit(
+        coefficients=_coefficients(problem, solution, terms, confidence),
+        squares=solution.squares,
+        tau_from=float(problem.tau[0]),
+        tau_to=float(problem.tau[-1]),
+        chi_square=solution.chi_square,
+        times=len(problem.tau),
+        confidence=confidence,
+        stated_range=not free,
+    )
+    return replace(fit, gauss_markov=_fit_gauss_markov(problem, solution))
+
+
+def _problem(curve: AllanCurve, tau_range: tuple[float, float] | None) -> _Problem:
+    low, high = tau_range or (0.0, np.inf)
+    # Five cluster times to a decade hold all that ten do.
+    keep = np.flatnonzero((curve.tau >= low) & (curve.tau <= high))[::2]
+    if len(keep) < _FEWEST_TIMES:
+        raise ValueError(
+            f"{len(keep)} cluster times between {low:.4g} s and {high:.4g} s; "
+            f"a fit needs at least {_FEWEST_TIMES}"
+        )
+    part = replace(curve, factors=curve.factors[keep], variance=curve.variance[keep])
+    return _Problem(part.tau, part.variance, covariances(part))
+
+
+def _choose_terms(problem: _Problem) -> tuple[tuple[int, ...], _Solution]:
+    """The kept terms, and those others that lower χ² by enough."""
+    terms: tuple[int, ...] = _KEPT
+    solution = _solve(problem, terms)
+    for extra in (Q, R):
+        longer = tuple(sorted((*terms, extra)))
+        trial = _solve(problem, longer)
+        # Compared under one covariance: a richer model must not win by wider errors.
+        before = _chi_square(problem, solution.squares, trial.whitening)
+        if before - trial.chi_square > _NEEDED and trial.squares[extra] > 0.0:
+            terms, solution = longer, trial
+    return terms, solution
+
+
+def _solve(problem: _Problem, terms: tuple[int, ...]) -> _Solution:
+    from scipy.optimize import nnls
+
+    design = allan_terms(problem.tau)[:, terms]
+    squares = np.zeros(len(TERMS))
+    # To begin with, every point has the scatter of white noise alone.
+    squares[N] = float(np.median(problem.variance * problem.tau))
+    whitening = np.diag(np.sqrt(1.0 / problem.tau) / problem.variance)
+    for iteration in range(_ITERATIONS):
+        whitened = whitening @ design
+        size = np.linalg.norm(whitened, axis=0)
+        solved, _ = nnls(whitened / size, whitening @ problem.variance)
+        last = squares
+        squares = np.zeros(len(TERMS))
+        squares[list(terms)] = solved / size
+        whitening = _whitening(problem.covariance(squares))
+        if iteration and np.allclose(squares, last, rtol=1e-5, atol=0.0):
+            break
+    return _Solution(squares, whitening, _chi_square(problem, squares, whitening))
+
+
+def _whitening(covariance: Array) -> Array:
+    """A matrix W with W C Wᵀ = 1; directions that C hardly knows count for less."""
+    size = np.sqrt(np.diagonal(covariance))
+    values, vectors = np.linalg.eigh(covariance / np.outer(size, size))
+    scale = np.sqrt(np.maximum(values, _LEAST_EIGENVALUE))
+    return (vectors / scale).T / size
+
+
+def _chi_square(problem: _Problem, squares: Array, whitening: Array) -> float:
+    rest = whitening @ (problem.variance - allan_terms(problem.tau) @ squares)
+    return float(rest @ rest)
+
+
+def _first_misfits(problem: _Problem, terms: tuple[int, ...]) -> bool:
+    """Whether the shortest clusters contradict what the longer ones say about them."""
+    longer = problem.from_time(1)
+    rest = _solve(longer, terms)
+    expected = float((allan_terms(problem.tau[:1]) @ rest.squares)[0])
+    scatter = float(np.sqrt(problem.covariance(rest.squares)[0, 0]))
+    return abs(problem.variance[0] - expected) > _MISFIT * max(scatter, 0.01 * expected)
+
+
+def _coefficients(
+    problem: _Problem, solution: _Solution, terms: tuple[int, ...], confidence: float
+) -> dict[str, Coefficient]:
+    whitened = solution.whitening @ allan_terms(problem.tau)[:, terms]
+    size = np.linalg.norm(whitened, axis=0)
+    weights = (np.linalg.pinv(whitened / size) / size[:, None]) @ solution.whitening
+    widening = _widening(solution.chi_square, len(problem.tau) - len(terms))
+    found = {}
+    for index, name in enumerate(TERMS):
+        if index not in terms:
+            continue
+        row = weights[terms.index(index)]
+        low, high = _interval(problem, solution.squares, index, row, confidence, widening)
+        found[name] = Coefficient(*np.sqrt([solution.squares[index], low, high]).tolist())
+    return found
+
+
+def _widening(chi_square: float, freedom: int) -> float:
+    """Birge's ratio √(χ²/ν), where the model leaves more than its own scatter."""
+    from scipy.stats import chi2
+
+    if freedom < 1 or chi2.sf(chi_square, freedom) > _UNLIKELY:
+        return 1.0
+    return float(np.sqrt(chi_square / freedom))
+
+
+def _interval(
+    problem: _Problem,
+    squares: Array,
+    index: int,
+    weights: Array,
+    confidence: float,
+    widening: float,
+) -> tuple[float, float]:
+    """Values p of a squared coefficient that its estimate does not contradict.
+
+    ``weights`` (k,) make the estimate's error out of the errors of the curve.  Under p
+    its variance is a + b p + c p², and its skewness that of the part that scales with p:
+    a Pearson III distribution, χ² where that part is all, normal where it is none.
+    """
+    from scipy.optimize import brentq
+    from scipy.stats import pearson3
+
+    def variance_of(p: float, rest: float) -> float:
+        mix = rest * squares
+        mix[index] = p
+        return float(weights @ problem.covariance(mix) @ weights)
+
+    constant = variance_of(0.0, 1.0)
+    own = variance_of(1.0, 0.0) if index != R else 0.0
+    step = max(float(squares[index]), np.sqrt(constant))
+    slope = (variance_of(step, 1.0) - constant) / step - own * step
+    # What the model leaves unexplained widens all but the term's own scatter.
+    constant, slope = constant * widening**2, slope * widening**2
+    estimate = float(squares[index])
+
+    def above(p: float) -> float:
+        """Probability of an estimate above the one found."""
+        variance = max(constant + slope * p + own * p * p, 1e-300)
+        skewness = 2.0 * own**2 * p**3 / variance**1.5
+        return float(pearson3.sf(estimate, skewness, loc=p, scale=np.sqrt(variance)))
+
+    tail = (1.0 - confidence) / 2.0
+    low = 0.0 if above(0.0) >= tail else brentq(lambda p: above(p) - tail, 0.0, estimate)
+    high = step
+    while above(high) < 1.0 - tail and high < _LARGEST_RATIO * step:
+        high *= 2.0
+    if above(high) < 1.0 - tail:
+        return float(low), float("inf")
+    return float(low), float(brentq(lambda p: above(p) - (1.0 - tail), estimate, high))
+
+
+def _fit_gauss_markov(problem: _Problem, solution: _Solution) -> GaussMarkovFit | None:
+    """White noise, random walk and a Gauss-Markov process; the correlation time by search."""
+    from scipy.optimize import minimize_scalar, nnls
+
+    base = allan_terms(problem.tau)[:, [N, K]]
+    target = solution.whitening @ problem.variance
+
+    def solve(log_time: float) -> tuple[Array, float]:
+        shape = gauss_markov_variance(problem.tau, float(np.exp(log_time)))
+        design = solution.whitening @ np.column_stack([base, shape])
+        size = np.linalg.norm(design, axis=0)
+        solved, rest = nnls(design / size, target)
+        return solved / size, float(rest**2)
+
+    grid = np.log(np.geomspace(problem.tau[0], problem.tau[-1], 60))
+    found = np.array([solve(g)[1] for g in grid])
+    best = int(np.argmin(found))
+    if best in (0, len(grid) - 1):
+        return None
+    refined = minimize_scalar(
+        lambda g: solve(g)[1], bounds=(grid[best - 1], grid[best + 1]), method="bounded"
+    )
+    (white, walk, drive), chi_square = solve(float(refined.x))
+    if drive <= 0.0:
+        return None
+    time = float(np.exp(refined.x))
+    near = np.exp(grid[found <= chi_square + 4.0])
+    ends = (float(near.min()), float(near.max())) if len(near) else (time, time)
+    return GaussMarkovFit(
+        # σ² = qc² Tc / 2: the variance of a process with the table's density.
+        model=GaussMarkov(time, float(np.sqrt(drive * time / 2.0))),
+        time_low=min(ends[0], time),
+        time_high=max(ends[1], time),
+        white=float(np.sqrt(white)),
+        random_walk=float(np.sqrt(walk)),
+        chi_square=chi_square,
+    )
