@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mcsim.characterisation.analysis import Characterisation, ChannelResult
+from mcsim.characterisation.analysis import ChannelResult, Characterisation
 from mcsim.characterisation.bias import BiasTracking
 from mcsim.characterisation.fit import Coefficient, NoiseFit
 from mcsim.logs.model import ACCELEROMETER, GYROSCOPE

@@ -167,3 +167,15 @@ def without_lines(samples: Array, rate: float, spectrum: Spectrum, lines: list[L
         floor = np.interp(near, spectrum.frequency, spectrum.floor)
         transform[band] *= np.sqrt(np.minimum(floor / density, 1.0))
     return irfft(transform, n)
+
+
+def binned(spectrum: Spectrum, per_decade: int = 200) -> tuple[Array, Array, Array]:
+    """Frequency, density and floor, averaged over bins of the logarithmic axis; (m,) each."""
+    position = np.log10(spectrum.frequency / spectrum.frequency[0]) * per_decade
+    starts = np.flatnonzero(np.diff(np.floor(position), prepend=-1.0) > 0.0)
+    counts = np.diff(np.append(starts, len(position)))
+
+    def mean(values: Array) -> Array:
+        return np.add.reduceat(values, starts) / counts
+
+    return mean(spectrum.frequency), mean(spectrum.density), mean(spectrum.floor)

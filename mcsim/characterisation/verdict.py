@@ -1,0 +1,124 @@
+"""What a characterisation says, in plain sentences."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mcsim.characterisation.analysis import ChannelResult, Characterisation
+from mcsim.characterisation.fit import Coefficient
+from mcsim.characterisation.sensor_file import DENSITY, KEYS
+from mcsim.logs.model import ACCELEROMETER
+from mcsim.units import KINDS, density_from_random_walk, in_unit
+
+NAMES = {
+    ACCELEROMETER: {
+        "N": "velocity random walk",
+        "B": "bias instability",
+        "K": "acceleration random walk",
+    },
+    "gyroscope": {"N": "angle random walk", "B": "bias instability", "K": "rate random walk"},
+}
+#: Half the interval's width, as a part of the value, that still counts as known.
+_WELL, _ROUGHLY = 0.1, 0.4
+#: χ² by which a Gauss-Markov bias must explain the curve better to be recommended.
+_BETTER = 20.0
+
+
+def verdict(found: Characterisation) -> list[str]:
+    """A few sentences: how well each term is known, what the log lacks, what was found."""
+    sentences = []
+    for element in KEYS:
+        results = found.of(element)
+        if results:
+            sentences += [_element(element, results)]
+    sentences += _log_sentences(found)
+    return sentences
+
+
+def number(coefficient: Coefficient, element: str, term: str) -> str:
+    """Value and uncertainty in the sensor block's unit: ``0.0833 m/s/√h ± 0.4 %``."""
+    _, kind, unit = KEYS[element][term]
+    if not coefficient.seen:
+        return f"not seen (below {in_unit(coefficient.high, unit, KINDS[kind]):.3g} {unit})"
+    value = f"{in_unit(coefficient.value, unit, KINDS[kind]):.3g} {unit}"
+    return f"{value} ± {half_width(coefficient):.2g} %"
+
+
+def half_width(coefficient: Coefficient) -> float:
+    """Half the width of the interval in per cent of the value."""
+    return 50.0 * (coefficient.high - coefficient.low) / coefficient.value
+
+
+def noise_density(result: ChannelResult) -> str:
+    """The one-sided noise density of a channel, as a data sheet prints it."""
+    kind, unit = DENSITY[result.channel.element]
+    density = density_from_random_walk(result.fit["N"].value)
+    return f"{in_unit(density, unit, KINDS[kind]):.3g} {unit}"
+
+
+def _element(element: str, results: list[ChannelResult]) -> str:
+    """How well each term of an element is known, over its axes."""
+    parts = []
+    for term, name in NAMES[element].items():
+        unseen = [r.channel.axis for r in results if not r.fit[term].seen]
+        widths = [half_width(r.fit[term]) for r in results if r.fit[term].seen]
+        if len(unseen) == len(results):
+            parts.append(f"{name} does not show in this log")
+            continue
+        worst = max(widths)
+        known = "well known" if worst <= 100 * _WELL else "roughly known"
+        if worst > 100 * _ROUGHLY:
+            known = "hardly known"
+        also = f"; not seen on {', '.join(unseen)}" if unseen else ""
+        parts.append(f"{name} {known} (±{worst:.2g} %{also})")
+    return f"{element}: {', '.join(parts)}."
+
+
+def _log_sentences(found: Characterisation) -> list[str]:
+    sentences = []
+    lines = [f for f in found.findings if f.kind == "line"]
+    if lines:
+        strongest = max(
+            (line for result in found.channels for line in result.inspection.lines),
+            key=lambda line: line.raises,
+        )
+        channels = dict.fromkeys(f.channel for f in lines)
+        sentences.append(
+            f"Spectral lines in {', '.join(channels)}, the strongest at {strongest.peak:.3g} Hz, "
+            "raise the Allan deviation; N, B and K are fitted without them."
+        )
+    for kind, words in (
+        ("spikes", "Isolated spikes in {}: fitted without them."),
+        ("outliers", "Outliers in {} that are too many to be spikes: the noise is not Gaussian."),
+        ("handling", "Disturbances in {}: log again, or cut them off with --start and --end."),
+        ("bandwidth", "Short clusters of {} do not follow the model: left out of the fit."),
+    ):
+        channels = dict.fromkeys(f.channel for f in found.findings if f.kind == kind)
+        if channels:
+            sentences.append(words.format(", ".join(channels)))
+    better = [
+        r.channel.name
+        for r in found.channels
+        if r.fit.gauss_markov and r.fit.chi_square - r.fit.gauss_markov.chi_square > _BETTER
+    ]
+    if better:
+        sentences.append(
+            f"A Gauss-Markov bias explains {', '.join(better)} better than bias instability."
+        )
+    misfits = [r.channel.name for r in found.channels if misfit(r) > _WELL]
+    if misfits:
+        sentences.append(f"The model misses the curve of {', '.join(misfits)} by more than 10 %.")
+    if not lines and len(sentences) == 0:
+        sentences.append("Nothing disturbs this log.")
+    return sentences
+
+
+def misfit(result: ChannelResult) -> float:
+    """Largest relative distance of curve and model where the curve is known to 5 %."""
+    fit, curve = result.fit, result.fitted
+    known = (curve.tau >= fit.tau_from) & (curve.tau <= fit.tau_to)
+    known &= (result.high - result.low) < 0.1 * result.curve.deviation
+    if not np.any(known):
+        return 0.0
+    ratio = curve.deviation[known] / fit.deviation(curve.tau[known])
+    return float(np.max(np.abs(ratio - 1.0)))
