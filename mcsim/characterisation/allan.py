@@ -42,7 +42,7 @@ class AllanCurve:
     @property
     def deviation(self) -> Array:
         """Allan deviation in the samples' unit."""
-        return np.sqrt(self.variance)
+        return np.asarray(np.sqrt(self.variance), np.float64)
 
 
 def averaging_factors(samples: int, rate: float) -> NDArray[np.int64]:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.characterisation.allan import (
-    NOISES,
     AllanCurve,
     allan_curve,
     degrees_of_freedom,
@@ -21,6 +20,7 @@ from mcsim.characterisation.findings import Finding, Inspection, check_length, i
 from mcsim.characterisation.fit import NoiseFit, fit_noise
 from mcsim.characterisation.spectrum import white_floor
 from mcsim.errors import InputError
+from mcsim.kernels.allan import NOISES
 from mcsim.logs.model import ACCELEROMETER, AXES, GYROSCOPE, Channel, Log
 
 Array = NDArray[np.float64]
@@ -148,7 +148,7 @@ def _of_log(log: Log) -> list[Finding]:
 
 
 def _of_channels(results: list[ChannelResult]) -> list[Finding]:
-    found = []
+    found: list[Finding] = []
     for result in results:
         found += result.inspection.findings
         ratio = result.floor / result.fit["N"].value if result.fit["N"].value else 1.0

@@ -1,9 +1,10 @@
 """Noise coefficients Q, N, B, K and R from an Allan curve, with intervals.
 
 The Allan variance is linear in the squares of the coefficients.  They are fitted by
-non-negative least squares, weighted with the covariance that the estimates have under
-the fitted model itself (Greenhall and Riley 2003), which is iterated.  Overlapping
-clusters scatter together; weights that know it make the most of the long ones.
+non-negative least squares, each point weighted by the inverse of the deviation that it
+has under the fitted model itself, which is iterated: relative weights.  Overlapping
+clusters scatter together; the intervals follow from their whole covariance under the
+model (Greenhall and Riley 2003).
 """
 
 from __future__ import annotations
@@ -29,8 +30,9 @@ TERMS = ("Q", "N", "B", "K", "R")
 Q, N, B, K, R = range(5)
 #: Terms that every fit holds; the others must prove that the data need them.
 _KEPT = (N, B, K)
-#: Relative error of the model itself at each cluster time, on the variance.
-_MODEL_ERROR = 0.003
+#: Relative error of the model itself at each cluster time, on the variance: the least,
+#: and the most that it is raised to when the curve does not follow the model.
+_LEAST_MODEL_ERROR, _MOST_MODEL_ERROR, _MODEL_ERROR_STEP = 0.003, 0.5, 1.25
 #: Reduction of χ² that a further term must bring (4 σ for one term).
 _NEEDED = 16.0
 #: Deviation from the model, in standard errors, at which the shortest clusters are left out.
@@ -40,8 +42,6 @@ _UNLIKELY = 0.01
 #: An upper end beyond this multiple of the estimate's square is none.
 _LARGEST_RATIO = 1e6
 _ITERATIONS = 30
-#: Of a correlation matrix; what is smaller is rounding and the neglect of far pairs.
-_LEAST_EIGENVALUE = 1e-4
 _FEWEST_TIMES = 6
 
 
@@ -83,7 +83,8 @@ class GaussMarkovFit:
 class NoiseFit:
     """Coefficients of the model over ``tau_from`` to ``tau_to`` (s).
 
-    ``squares`` float64 (5,) are Q², N², B², K², R² in SI units.
+    ``squares`` float64 (5,) are Q², N², B², K², R² in SI units.  ``model_error`` is the
+    relative error of the variance at each cluster time that the model is allowed.
     """
 
     coefficients: dict[str, Coefficient]
@@ -94,6 +95,7 @@ class NoiseFit:
     times: int
     confidence: float
     stated_range: bool
+    model_error: float
     gauss_markov: GaussMarkovFit | None = None
 
     def deviation(self, tau: Array) -> Array:
@@ -111,23 +113,26 @@ class _Problem:
     tau: Array
     variance: Array
     scatter: Covariances
+    model_error: float = _LEAST_MODEL_ERROR
 
     def covariance(self, squares: Array) -> Array:
         expected = allan_terms(self.tau) @ squares
         mixed = self.scatter.of(squares[:NOISES], squares[R])
-        return mixed + np.diag((_MODEL_ERROR * expected) ** 2)
+        return mixed + np.diag((self.model_error * expected) ** 2)
 
     def from_time(self, first: int) -> _Problem:
         part = Covariances(
             self.scatter.products[:, :, first:, first:], self.scatter.ramps[:, first:, first:]
         )
-        return _Problem(self.tau[first:], self.variance[first:], part)
+        return _Problem(self.tau[first:], self.variance[first:], part, self.model_error)
 
 
 @dataclass(frozen=True)
 class _Solution:
+    """``weights`` (k,) are inverse deviations; ``chi_square`` the weighted misfit squared."""
+
     squares: Array
-    whitening: Array
+    weights: Array
     chi_square: float
 
 
@@ -154,6 +159,7 @@ def fit_noise(
         if not free or len(problem.tau) <= _FEWEST_TIMES or not _first_misfits(problem, terms):
             break
         problem = problem.from_time(1)
+    problem, solution = _allow_for_the_model(problem, terms, solution)
     fit = NoiseFit(
         coefficients=_coefficients(problem, solution, terms, confidence),
         squares=solution.squares,
@@ -163,6 +169,7 @@ def fit_noise(
         times=len(problem.tau),
         confidence=confidence,
         stated_range=not free,
+        model_error=problem.model_error,
     )
     return replace(fit, gauss_markov=_fit_gauss_markov(problem, solution))
 
@@ -187,11 +194,46 @@ def _choose_terms(problem: _Problem) -> tuple[tuple[int, ...], _Solution]:
     for extra in (Q, R):
         longer = tuple(sorted((*terms, extra)))
         trial = _solve(problem, longer)
-        # Compared under one covariance: a richer model must not win by wider errors.
-        before = _chi_square(problem, solution.squares, trial.whitening)
+        # Compared under the same weights: a richer model must not win by wider errors.
+        before = _misfit(problem, solution.squares, trial.weights)
         if before - trial.chi_square > _NEEDED and trial.squares[extra] > 0.0:
             terms, solution = longer, trial
     return terms, solution
+
+
+def _allow_for_the_model(
+    problem: _Problem, terms: tuple[int, ...], solution: _Solution
+) -> tuple[_Problem, _Solution]:
+    """Raise the error of the model until the curve's misfit is likely under it.
+
+    Real noise is no exact sum of five powers of τ.  Without this the well known short
+    clusters would bend the model away from the long ones, and the intervals would lie.
+    """
+    while (
+        _likelihood(problem, terms, solution) < _UNLIKELY
+        and problem.model_error < _MOST_MODEL_ERROR
+    ):
+        problem = replace(problem, model_error=problem.model_error * _MODEL_ERROR_STEP)
+        solution = _solve(problem, terms)
+    return problem, solution
+
+
+def _likelihood(problem: _Problem, terms: tuple[int, ...], solution: _Solution) -> float:
+    """Probability of a misfit as large as this one, if the model were right.
+
+    The points scatter together, so that the misfit is a sum of χ² with weights; a scaled
+    χ² with its mean and variance stands for it (Satterthwaite).
+    """
+    from scipy.stats import chi2
+
+    covariance = problem.covariance(solution.squares)
+    design = allan_terms(problem.tau)[:, terms] * solution.weights[:, None]
+    size = np.linalg.norm(design, axis=0)
+    left = np.eye(len(problem.tau)) - (design / size) @ np.linalg.pinv(design / size)
+    spread = left @ (covariance * np.outer(solution.weights, solution.weights)) @ left.T
+    mean, half_variance = float(np.trace(spread)), float(np.sum(spread**2))
+    freedom = mean**2 / half_variance
+    return float(chi2.sf(solution.chi_square * freedom / mean, freedom))
 
 
 def _solve(problem: _Problem, terms: tuple[int, ...]) -> _Solution:
@@ -200,31 +242,22 @@ def _solve(problem: _Problem, terms: tuple[int, ...]) -> _Solution:
     design = allan_terms(problem.tau)[:, terms]
     squares = np.zeros(len(TERMS))
     # To begin with, every point has the scatter of white noise alone.
-    squares[N] = float(np.median(problem.variance * problem.tau))
-    whitening = np.diag(np.sqrt(1.0 / problem.tau) / problem.variance)
+    weights = 1.0 / (np.sqrt(problem.tau) * problem.variance)
     for iteration in range(_ITERATIONS):
-        whitened = whitening @ design
-        size = np.linalg.norm(whitened, axis=0)
-        solved, _ = nnls(whitened / size, whitening @ problem.variance)
+        weighted = design * weights[:, None]
+        size = np.linalg.norm(weighted, axis=0)
+        solved, _ = nnls(weighted / size, weights * problem.variance)
         last = squares
         squares = np.zeros(len(TERMS))
         squares[list(terms)] = solved / size
-        whitening = _whitening(problem.covariance(squares))
-        if iteration and np.allclose(squares, last, rtol=1e-5, atol=0.0):
+        weights = 1.0 / np.sqrt(np.diagonal(problem.covariance(squares)))
+        if iteration and np.allclose(squares, last, rtol=1e-6, atol=0.0):
             break
-    return _Solution(squares, whitening, _chi_square(problem, squares, whitening))
+    return _Solution(squares, weights, _misfit(problem, squares, weights))
 
 
-def _whitening(covariance: Array) -> Array:
-    """A matrix W with W C Wᵀ = 1; directions that C hardly knows count for less."""
-    size = np.sqrt(np.diagonal(covariance))
-    values, vectors = np.linalg.eigh(covariance / np.outer(size, size))
-    scale = np.sqrt(np.maximum(values, _LEAST_EIGENVALUE))
-    return (vectors / scale).T / size
-
-
-def _chi_square(problem: _Problem, squares: Array, whitening: Array) -> float:
-    rest = whitening @ (problem.variance - allan_terms(problem.tau) @ squares)
+def _misfit(problem: _Problem, squares: Array, weights: Array) -> float:
+    rest = weights * (problem.variance - allan_terms(problem.tau) @ squares)
     return float(rest @ rest)
 
 
@@ -240,27 +273,17 @@ def _first_misfits(problem: _Problem, terms: tuple[int, ...]) -> bool:
 def _coefficients(
     problem: _Problem, solution: _Solution, terms: tuple[int, ...], confidence: float
 ) -> dict[str, Coefficient]:
-    whitened = solution.whitening @ allan_terms(problem.tau)[:, terms]
-    size = np.linalg.norm(whitened, axis=0)
-    weights = (np.linalg.pinv(whitened / size) / size[:, None]) @ solution.whitening
-    widening = _widening(solution.chi_square, len(problem.tau) - len(terms))
+    weighted = allan_terms(problem.tau)[:, terms] * solution.weights[:, None]
+    size = np.linalg.norm(weighted, axis=0)
+    estimators = np.linalg.pinv(weighted / size) / size[:, None] * solution.weights
     found = {}
     for index, name in enumerate(TERMS):
         if index not in terms:
             continue
-        row = weights[terms.index(index)]
-        low, high = _interval(problem, solution.squares, index, row, confidence, widening)
+        row = estimators[terms.index(index)]
+        low, high = _interval(problem, solution.squares, index, row, confidence)
         found[name] = Coefficient(*np.sqrt([solution.squares[index], low, high]).tolist())
     return found
-
-
-def _widening(chi_square: float, freedom: int) -> float:
-    """Birge's ratio √(χ²/ν), where the model leaves more than its own scatter."""
-    from scipy.stats import chi2
-
-    if freedom < 1 or chi2.sf(chi_square, freedom) > _UNLIKELY:
-        return 1.0
-    return float(np.sqrt(chi_square / freedom))
 
 
 def _interval(
@@ -269,7 +292,6 @@ def _interval(
     index: int,
     weights: Array,
     confidence: float,
-    widening: float,
 ) -> tuple[float, float]:
     """Values p of a squared coefficient that its estimate does not contradict.
 
@@ -289,8 +311,6 @@ def _interval(
     own = variance_of(1.0, 0.0) if index != R else 0.0
     step = max(float(squares[index]), np.sqrt(constant))
     slope = (variance_of(step, 1.0) - constant) / step - own * step
-    # What the model leaves unexplained widens all but the term's own scatter.
-    constant, slope = constant * widening**2, slope * widening**2
     estimate = float(squares[index])
 
     def above(p: float) -> float:
@@ -314,11 +334,11 @@ def _fit_gauss_markov(problem: _Problem, solution: _Solution) -> GaussMarkovFit 
     from scipy.optimize import minimize_scalar, nnls
 
     base = allan_terms(problem.tau)[:, [N, K]]
-    target = solution.whitening @ problem.variance
+    target = solution.weights * problem.variance
 
     def solve(log_time: float) -> tuple[Array, float]:
         shape = gauss_markov_variance(problem.tau, float(np.exp(log_time)))
-        design = solution.whitening @ np.column_stack([base, shape])
+        design = np.column_stack([base, shape]) * solution.weights[:, None]
         size = np.linalg.norm(design, axis=0)
         solved, rest = nnls(design / size, target)
         return solved / size, float(rest**2)

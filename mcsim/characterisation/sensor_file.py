@@ -135,6 +135,7 @@ def _fit_details(result: ChannelResult) -> dict[str, Any]:
     details: dict[str, Any] = {
         "cluster_times": f"{fit.tau_from:.4g} s to {fit.tau_to:.4g} s",
         "chi_square": f"{fit.chi_square:.3g} of {fit.times} cluster times",
+        "model_error": f"{100 * fit.model_error:.2g} % of the Allan variance",
     }
     for term, (key, kind, unit) in KEYS[element].items():
         details[key] = _interval(fit[term], unit, kind)

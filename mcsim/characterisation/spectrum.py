@@ -61,7 +61,7 @@ def spectrum_of(samples: Array, rate: float) -> Spectrum:
     n = len(samples)
     length = 1 << int(np.log2(max(n // _FEWEST_SEGMENTS, 16)))
     length = min(length, _LONGEST_SEGMENT, n)
-    frequency, density = welch(samples, rate, nperseg=length, detrend="linear")
+    frequency, density = welch(samples, rate, nperseg=length)
     frequency, density = frequency[1:], density[1:]
     # Segments that overlap by half are worth 11/9 fewer than their number (Hann window).
     averages = max(1.0, (2.0 * n / length - 1.0) * 9.0 / 11.0)

@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Callable
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -30,7 +31,7 @@ def draw_allan(found: Characterisation) -> Figure:
         figure, panels = _panels(found, verdict(found))
         for result, axes in panels:
             _draw_curve(result, axes)
-        _legend(figure, panels[0][1])
+        _legend(figure)
     return figure
 
 
@@ -40,7 +41,7 @@ def draw_psd(found: Characterisation) -> Figure:
         figure, panels = _panels(found, ["One-sided density: √2 N where the noise is white."])
         for result, axes in panels:
             _draw_spectrum(result, axes)
-        _legend(figure, panels[0][1])
+        _legend(figure)
     return figure
 
 
@@ -154,11 +155,11 @@ def _draw_spectrum(result: ChannelResult, axes: Axes) -> None:
     axes.set(xlabel="frequency [Hz]", ylabel=f"{result.channel.name} [{unit}/√Hz]")
 
 
-def _legend(figure: Figure, axes: Axes) -> None:
-    found: dict[str, object] = {}
-    for each in figure.axes:
-        for handle, label in zip(*each.get_legend_handles_labels(), strict=True):
+def _legend(figure: Figure) -> None:
+    """One legend for all panels: a term that only some of them show is in it once."""
+    found: dict[str, Artist] = {}
+    for axes in figure.axes:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
-    del axes
     columns = max(1, min(len(found), int(figure.get_figwidth() / 1.9)))
-    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
+    figure.legend(list(found.values()), list(found), loc="outside lower center", ncols=columns)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from mcsim.errors import InputError
 from mcsim.logs.columns import TIME
+from mcsim.logs.model import Array
 from mcsim.logs.table import Table, read_table
 
 #: Where EuRoC and TUM-VI keep the samples, from any folder on the way.
@@ -43,7 +44,9 @@ def read_folder(folder: Path, columns: str | None, units: str | None) -> Table:
 def _read_gnss_ins_sim(
     folder: Path, parts: list[Path], columns: str | None, units: str | None
 ) -> Table:
-    values, notes, stated = {}, [], {}
+    values: dict[str, Array] = {}
+    notes: list[str] = []
+    stated: dict[str, tuple[str, float]] = {}
     for part in parts:
         table = read_table(part, columns, units)
         values |= table.values
@@ -64,7 +67,7 @@ def _read_gnss_ins_sim(
     return Table(values, tuple(notes), stated)
 
 
-def _read_time(path: Path):  # type: ignore[no-untyped-def]
+def _read_time(path: Path) -> Array:
     # A table of time alone is refused by the reader; the title is known here.
     import pandas as pd
 

@@ -9,7 +9,7 @@ from mcsim.logs import bags
 from mcsim.logs.checks import check_gravity
 from mcsim.logs.columns import CHANNELS, TIME
 from mcsim.logs.folders import is_bag, read_folder
-from mcsim.logs.model import ACCELEROMETER, Channel, Log, ReadOptions, Timing
+from mcsim.logs.model import ACCELEROMETER, Array, Channel, Log, ReadOptions, Timing
 from mcsim.logs.table import Table, read_table
 from mcsim.logs.timing import check_stamps, unstamped
 
@@ -63,7 +63,7 @@ def _log_of(path: Path, table: Table, options: ReadOptions) -> Log:
     return Log(path, tuple(channels), spacing.timing, tuple(notes))
 
 
-def _cut(samples, timing: Timing, options: ReadOptions, where: str):  # type: ignore[no-untyped-def]
+def _cut(samples: Array, timing: Timing, options: ReadOptions, where: str) -> Array:
     duration = len(samples) / timing.rate
     start, end = options.start or 0.0, options.end if options.end is not None else duration
     if not 0.0 <= start < min(end, duration):
