@@ -37,12 +37,12 @@ class AllanCurve:
     @property
     def tau(self) -> Array:
         """Cluster times in s."""
-        return self.factors * self.interval
+        return self.factors.astype(np.float64) * self.interval
 
     @property
     def deviation(self) -> Array:
         """Allan deviation in the samples' unit."""
-        return np.asarray(np.sqrt(self.variance), np.float64)
+        return np.sqrt(self.variance)
 
 
 def averaging_factors(samples: int, rate: float) -> NDArray[np.int64]:
@@ -102,6 +102,10 @@ class Covariances:
 
     products: Array
     ramps: Array
+
+    def part(self, which: slice) -> Covariances:
+        """Of some of the cluster times."""
+        return Covariances(self.products[:, :, which, which], self.ramps[:, which, which])
 
     def of(self, squares: Array, ramp: float = 0.0) -> Array:
         """Covariance matrix (k, k) for Q², N², B², K² and the square of a rate ramp."""

@@ -35,12 +35,16 @@ _KEPT = (N, B, K)
 _LEAST_MODEL_ERROR, _MOST_MODEL_ERROR, _MODEL_ERROR_STEP = 0.003, 0.5, 1.25
 #: Reduction of χ² that a further term must bring (4 σ for one term).
 _NEEDED = 16.0
-#: Deviation from the model, in standard errors, at which the shortest clusters are left out.
-_MISFIT = 5.0
+#: The shortest cluster is left out when it lies off by so many standard errors, and by
+#: this part, from what the next ones say.
+_MISFIT, _VISIBLE, _NEIGHBOURS = 5.0, 0.04, 4
 #: Probability of a χ² at which the model no longer explains the curve by scatter alone.
 _UNLIKELY = 0.01
 #: An upper end beyond this multiple of the estimate's square is none.
 _LARGEST_RATIO = 1e6
+#: A Gauss-Markov bias takes flicker's place when the model error with flicker is larger
+#: than this, and χ² so many times that with the process.
+_VISIBLE_MODEL_ERROR, _CLEARLY = 0.05, 4.0
 _ITERATIONS = 30
 _FEWEST_TIMES = 6
 
@@ -78,6 +82,13 @@ class GaussMarkovFit:
     random_walk: float
     chi_square: float
 
+    def allan_deviation(self, tau: Array) -> Array:
+        """Allan deviation (k,) of white noise, random walk and the process."""
+        qc2 = 2.0 * self.model.deviation**2 / self.model.correlation_time
+        process = qc2 * gauss_markov_variance(tau, self.model.correlation_time)
+        straight = allan_terms(tau)[:, [N, K]] @ [self.white**2, self.random_walk**2]
+        return (straight + process) ** 0.5
+
 
 @dataclass(frozen=True)
 class NoiseFit:
@@ -98,9 +109,20 @@ class NoiseFit:
     model_error: float
     gauss_markov: GaussMarkovFit | None = None
 
+    @property
+    def prefers_gauss_markov(self) -> bool:
+        """Whether flicker visibly misses the curve, and a Gauss-Markov bias does not."""
+        return (
+            self.gauss_markov is not None
+            and self.model_error > _VISIBLE_MODEL_ERROR
+            and self.chi_square > _CLEARLY * self.gauss_markov.chi_square
+        )
+
     def deviation(self, tau: Array) -> Array:
-        """Allan deviation (k,) of the fitted model."""
-        return np.sqrt(allan_terms(tau) @ self.squares)
+        """Allan deviation (k,) of the model that fits better."""
+        if self.gauss_markov is not None and self.prefers_gauss_markov:
+            return self.gauss_markov.allan_deviation(tau)
+        return (allan_terms(tau) @ self.squares) ** 0.5
 
     def __getitem__(self, term: str) -> Coefficient:
         return self.coefficients[term]
@@ -120,11 +142,9 @@ class _Problem:
         mixed = self.scatter.of(squares[:NOISES], squares[R])
         return mixed + np.diag((self.model_error * expected) ** 2)
 
-    def from_time(self, first: int) -> _Problem:
-        part = Covariances(
-            self.scatter.products[:, :, first:, first:], self.scatter.ramps[:, first:, first:]
-        )
-        return _Problem(self.tau[first:], self.variance[first:], part, self.model_error)
+    def without_first(self) -> _Problem:
+        rest = slice(1, None)
+        return _Problem(self.tau[rest], self.variance[rest], self.scatter.part(rest))
 
 
 @dataclass(frozen=True)
@@ -154,11 +174,9 @@ def fit_noise(
     """
     problem = _problem(curve, tau_range)
     free = tau_range is None
-    while True:
-        terms, solution = _choose_terms(problem)
-        if not free or len(problem.tau) <= _FEWEST_TIMES or not _first_misfits(problem, terms):
-            break
-        problem = problem.from_time(1)
+    while free and len(problem.tau) > _FEWEST_TIMES + _NEIGHBOURS and _first_misfits(problem):
+        problem = problem.without_first()
+    terms, solution = _choose_terms(problem)
     problem, solution = _allow_for_the_model(problem, terms, solution)
     fit = NoiseFit(
         coefficients=_coefficients(problem, solution, terms, confidence),
@@ -261,13 +279,14 @@ def _misfit(problem: _Problem, squares: Array, weights: Array) -> float:
     return float(rest @ rest)
 
 
-def _first_misfits(problem: _Problem, terms: tuple[int, ...]) -> bool:
-    """Whether the shortest clusters contradict what the longer ones say about them."""
-    longer = problem.from_time(1)
-    rest = _solve(longer, terms)
-    expected = float((allan_terms(problem.tau[:1]) @ rest.squares)[0])
-    scatter = float(np.sqrt(problem.covariance(rest.squares)[0, 0]))
-    return abs(problem.variance[0] - expected) > _MISFIT * max(scatter, 0.01 * expected)
+def _first_misfits(problem: _Problem) -> bool:
+    """Whether the shortest cluster contradicts what the next ones say about it."""
+    after = slice(1, 1 + _NEIGHBOURS)
+    next_ones = _Problem(problem.tau[after], problem.variance[after], problem.scatter.part(after))
+    squares = _solve(next_ones, (Q, *_KEPT)).squares
+    expected = float((allan_terms(problem.tau[:1]) @ squares)[0])
+    scatter = float(np.sqrt(problem.covariance(squares)[0, 0]))
+    return abs(problem.variance[0] - expected) > max(_MISFIT * scatter, _VISIBLE * expected)
 
 
 def _coefficients(
@@ -316,7 +335,7 @@ def _interval(
     def above(p: float) -> float:
         """Probability of an estimate above the one found."""
         variance = max(constant + slope * p + own * p * p, 1e-300)
-        skewness = 2.0 * own**2 * p**3 / variance**1.5
+        skewness = 2.0 * np.sqrt(own) * (own * p * p / variance) ** 1.5
         return float(pearson3.sf(estimate, skewness, loc=p, scale=np.sqrt(variance)))
 
     tail = (1.0 - confidence) / 2.0

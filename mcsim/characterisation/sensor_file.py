@@ -88,7 +88,7 @@ def parameter_file(parameters: Parameters, name: str) -> str:
         if per_axis:
             # The root mean square, whatever the file's own average is.
             whole = _root_mean_squares([terms for axis, terms in axes.items() if axis])
-        block: dict[str, Any] = _terms(element, whole or {})
+        block = _terms(element, whole or {})
         if parameters.rate is not None:
             block["rate"] = f"{parameters.rate:.6g} Hz"
         document[element] = block | ({"axes": per_axis} if per_axis else {})
@@ -96,11 +96,8 @@ def parameter_file(parameters: Parameters, name: str) -> str:
 
 
 def _element(element: str, results: list[ChannelResult], rate: float) -> dict[str, Any]:
-    per_axis = [
-        {term: result.fit[term].value for term in KEYS[element] if result.fit[term].seen}
-        for result in results
-    ]
-    block: dict[str, Any] = _terms(element, _root_mean_squares(per_axis))
+    per_axis = [_found_terms(result.fit) for result in results]
+    block = _terms(element, _root_mean_squares(per_axis))
     kind, unit = SAMPLE[element]
     steps = [r.inspection.resolution for r in results if r.inspection.resolution is not None]
     if steps:
@@ -113,20 +110,41 @@ def _element(element: str, results: list[ChannelResult], rate: float) -> dict[st
     return block
 
 
+def _found_terms(fit: NoiseFit) -> dict[str, float]:
+    """N, B and K that the log shows; with a Gauss-Markov bias its σ and Tc in place of B."""
+    process = fit.gauss_markov
+    if process is not None and fit.prefers_gauss_markov:
+        found = {"N": process.white, "K": process.random_walk}
+        found |= {"σ": process.model.deviation, "Tc": process.model.correlation_time}
+        return {term: value for term, value in found.items() if value > 0.0}
+    return {term: fit[term].value for term in ("N", "B", "K") if fit[term].seen}
+
+
 def _root_mean_squares(axes: Iterable[Mapping[str, float]]) -> dict[str, float]:
-    """Of each term over all axes; an axis without the term counts as 0."""
+    """Of each term over all axes; an axis without the term counts as 0.
+
+    Correlation times are averaged on the logarithmic axis, over the axes that have one.
+    """
     axes = list(axes)
-    terms = [term for term in ("N", "B", "K") if any(term in axis for axis in axes)]
-    return {
+    terms = [term for term in ("N", "B", "K", "σ") if any(term in axis for axis in axes)]
+    means = {
         term: float(np.sqrt(np.mean([axis.get(term, 0.0) ** 2 for axis in axes]))) for term in terms
     }
+    times = [axis["Tc"] for axis in axes if "Tc" in axis]
+    return means | ({"Tc": float(np.exp(np.mean(np.log(times))))} if times else {})
 
 
-def _terms(element: str, terms: Mapping[str, float]) -> dict[str, str]:
-    block = {}
+def _terms(element: str, terms: Mapping[str, float]) -> dict[str, Any]:
+    block: dict[str, Any] = {}
     for term, (key, kind, unit) in KEYS[element].items():
         if terms.get(term):
             block[key] = written(terms[term], unit, kind)
+    if "Tc" in terms:
+        kind, unit = SAMPLE[element]
+        block["gauss_markov"] = {
+            "deviation": written(terms["σ"], unit, kind),
+            "correlation_time": f"{terms['Tc']:.6g} s",
+        }
     return block
 
 

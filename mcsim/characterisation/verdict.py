@@ -20,8 +20,6 @@ NAMES = {
 }
 #: Half the interval's width, as a part of the value, that still counts as known.
 _WELL, _ROUGHLY = 0.1, 0.4
-#: χ² by which a Gauss-Markov bias must explain the curve better to be recommended.
-_BETTER = 20.0
 
 
 def verdict(found: Characterisation) -> list[str]:
@@ -96,14 +94,11 @@ def _log_sentences(found: Characterisation) -> list[str]:
         channels = dict.fromkeys(f.channel for f in found.findings if f.kind == kind)
         if channels:
             sentences.append(words.format(", ".join(channels)))
-    better = [
-        r.channel.name
-        for r in found.channels
-        if r.fit.gauss_markov and r.fit.chi_square - r.fit.gauss_markov.chi_square > _BETTER
-    ]
+    better = [r.channel.name for r in found.channels if r.fit.prefers_gauss_markov]
     if better:
         sentences.append(
-            f"A Gauss-Markov bias explains {', '.join(better)} better than bias instability."
+            f"A Gauss-Markov bias explains {', '.join(better)} better than bias instability: "
+            "sensor.yaml holds it."
         )
     misfits = [r.channel.name for r in found.channels if misfit(r) > _WELL]
     if misfits:
