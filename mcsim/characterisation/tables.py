@@ -32,13 +32,13 @@ def allan_table(found: Characterisation) -> pd.DataFrame:
 
 
 def psd_table(found: Characterisation) -> pd.DataFrame:
-    """Columns channel, frequency_hz, psd (one-sided, SI unit squared per Hz), psd_floor."""
+    """Columns channel, frequency_hz, and density and floor, SI unit squared per Hz."""
     import pandas as pd
 
     def table(name: str, spectrum: Spectrum) -> pd.DataFrame:
         frequency, density, floor = binned(spectrum)
         return pd.DataFrame(
-            {"channel": name, "frequency_hz": frequency, "psd": density, "psd_floor": floor}
+            {"channel": name, "frequency_hz": frequency, "psd_one_sided": density, "floor_one_sided": floor}
         )
 
     return pd.concat(table(r.channel.name, r.inspection.spectrum) for r in found.channels)

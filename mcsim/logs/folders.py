@@ -10,7 +10,7 @@ from mcsim.logs.model import Array
 from mcsim.logs.table import Table, read_table
 
 #: Where EuRoC and TUM-VI keep the samples, from any folder on the way.
-_EUROC = ("data.csv", "imu0/data.csv", "mav0/imu0/data.csv", "dso/imu.txt")
+_EUROC = ("data.csv", "imu0/data.csv", "mav0/imu0/data.csv")
 #: gnss-ins-sim: the first run of each sensor.
 _GNSS_INS_SIM = ("accel-0.csv", "gyro-0.csv")
 _ENDINGS = ("", ".gz", ".xz")
