@@ -2,6 +2,7 @@
 
 import gzip
 import lzma
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -124,6 +125,13 @@ def test_a_bag_of_two_imus_asks_for_a_topic(tmp_path):
     check(read_log(path, ReadOptions(topic="/rear/imu")))
     with pytest.raises(InputError, match='no IMU under "/imu"'):
         read_log(path, ReadOptions(topic="/imu"))
+
+
+def test_bags_without_rosbags_name_the_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    (tmp_path / "log.bag").write_bytes(b"")
+    with pytest.raises(InputError, match=r"pip install 'mcsim\[bags\]'"):
+        read_log(tmp_path / "log.bag")
 
 
 def make_bag(folder, kind, topics):

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 
 #: Spectrum and Allan fit may differ by this part in N before it is worth a word.
 _FLAT = 0.05
+#: A correlation time beyond this part of the log says more about the log than the sensor.
+_OWN_TIME = 0.02
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,9 @@ def characterise(
     for channel in log.channels:
         step(f"{channel.name}: {len(channel.samples):,} samples")
         results.append(_analyse(channel, log, settings))
-    return Characterisation(log, settings, tuple(results), (*_of_log(log), *_of_channels(results)))
+    return Characterisation(
+        log, settings, tuple(results), (*_of_log(log), *_of_channels(results, log.duration))
+    )
 
 
 def _analyse(channel: Channel, log: Log, settings: Settings) -> ChannelResult:
@@ -147,29 +151,37 @@ def _of_log(log: Log) -> list[Finding]:
     return found
 
 
-def _of_channels(results: list[ChannelResult]) -> list[Finding]:
+def _of_channels(results: list[ChannelResult], duration: float) -> list[Finding]:
     found: list[Finding] = []
     for result in results:
-        found += result.inspection.findings
-        ratio = result.floor / result.fit["N"].value if result.fit["N"].value else 1.0
-        if abs(ratio - 1.0) > _FLAT:
-            found.append(
-                Finding(
-                    "spectrum",
-                    result.channel.name,
-                    f"the spectrum's floor (1/50 to 2/5 of the rate) gives an N {ratio - 1.0:+.0%} "
-                    "from that of the fit: the noise is not white up to there (filter, aliasing)",
-                )
-            )
-        if result.fit.tau_from > 2.5 * result.fitted.interval and not result.fit.stated_range:
-            found.append(
-                Finding(
-                    "bandwidth",
-                    result.channel.name,
-                    f"clusters below {result.fit.tau_from:.3g} s do not follow the model (filter, "
-                    "coloured noise): the fit begins there",
-                )
-            )
+        found += [*result.inspection.findings, *_of_fit(result, duration)]
+    return found
+
+
+def _of_fit(result: ChannelResult, duration: float) -> list[Finding]:
+    """What shows only after the fit: spectrum, bandwidth, and a bias that never repeats."""
+    name, fit, bias = result.channel.name, result.fit, result.bias
+    found = []
+    ratio = result.floor / fit["N"].value if fit["N"].value else 1.0
+    if abs(ratio - 1.0) > _FLAT:
+        text = (
+            f"the spectrum's floor (1/50 to 2/5 of the rate) gives an N {ratio - 1.0:+.0%} from "
+            "that of the fit: the noise is not white up to there (filter, aliasing)"
+        )
+        found.append(Finding("spectrum", name, text))
+    if fit.tau_from > 1.5 * result.fitted.interval and not fit.stated_range:
+        text = (
+            f"clusters below {fit.tau_from:.3g} s do not follow the model (filter, coloured "
+            "noise): the fit begins there"
+        )
+        found.append(Finding("bandwidth", name, text))
+    if bias is not None and bias.model.correlation_time > _OWN_TIME * duration:
+        text = (
+            f"the autocorrelation falls to 1/e after {bias.model.correlation_time:.3g} s, more "
+            f"than {_OWN_TIME:.0%} of the log: flicker or a random walk rather than a "
+            "Gauss-Markov bias; Tc and σ hold for logs of this length"
+        )
+        found.append(Finding("bias", name, text))
     return found
 
 

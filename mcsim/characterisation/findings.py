@@ -237,4 +237,6 @@ def _quantisation(name: str, step: float, samples: Array) -> Finding:
         if coarse
         else "fine enough: the noise carries the signal over the steps"
     )
-    return Finding("quantisation", name, f"steps of {step / noise:.2g} σ, {effect}")
+    return Finding(
+        "coarse" if coarse else "quantisation", name, f"steps of {step / noise:.2g} σ, {effect}"
+    )

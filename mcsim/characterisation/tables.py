@@ -38,7 +38,12 @@ def psd_table(found: Characterisation) -> pd.DataFrame:
     def table(name: str, spectrum: Spectrum) -> pd.DataFrame:
         frequency, density, floor = binned(spectrum)
         return pd.DataFrame(
-            {"channel": name, "frequency_hz": frequency, "psd_one_sided": density, "floor_one_sided": floor}
+            {
+                "channel": name,
+                "frequency_hz": frequency,
+                "psd_one_sided": density,
+                "floor_one_sided": floor,
+            }
         )
 
     return pd.concat(table(r.channel.name, r.inspection.spectrum) for r in found.channels)

@@ -21,6 +21,20 @@ NAMES = {
 #: Half the interval's width, as a part of the value, that still counts as known.
 _WELL, _ROUGHLY = 0.1, 0.4
 
+#: What is said of the channels that share a kind of finding.
+_WORDS = {
+    "spikes": "Isolated spikes in {}: fitted without them.",
+    "outliers": "Outliers in {} that are too many to be spikes: the noise is not Gaussian.",
+    "handling": "Disturbances in {}: log again, or cut them off with --start and --end.",
+    "coarse": "Quantisation of {} is coarser than the noise: N and B are not to be trusted.",
+    "quantisation": "Quantisation steps show in {}; the noise carries the signal over them.",
+    "bandwidth": "Short clusters of {} do not follow the model: left out of the fit.",
+    "spectrum": "The spectrum of {} is not flat up to 2/5 of the rate: a filter, or aliasing.",
+    "bias": "The bias of {} has no correlation time of its own: the longer the log, the longer.",
+    "process": "A Gauss-Markov bias explains {} better than bias instability: sensor.yaml has it.",
+    "misfit": "The model misses the curve of {} by more than 10 %.",
+}
+
 
 def verdict(found: Characterisation) -> list[str]:
     """A few sentences: how well each term is known, what the log lacks, what was found."""
@@ -39,12 +53,16 @@ def number(coefficient: Coefficient, element: str, term: str) -> str:
     if not coefficient.seen:
         return f"not seen (below {in_unit(coefficient.high, unit, KINDS[kind]):.3g} {unit})"
     value = f"{in_unit(coefficient.value, unit, KINDS[kind]):.3g} {unit}"
-    return f"{value} ± {half_width(coefficient):.2g} %"
+    return f"{value} ± {_per_cent(half_width(coefficient))}"
 
 
 def half_width(coefficient: Coefficient) -> float:
     """Half the width of the interval in per cent of the value."""
     return 50.0 * (coefficient.high - coefficient.low) / coefficient.value
+
+
+def _per_cent(value: float) -> str:
+    return f"{value:.2g} %" if value < 99.5 else f"{value:.0f} %"
 
 
 def noise_density(result: ChannelResult) -> str:
@@ -68,44 +86,41 @@ def _element(element: str, results: list[ChannelResult]) -> str:
         if worst > 100 * _ROUGHLY:
             known = "hardly known"
         also = f"; not seen on {', '.join(unseen)}" if unseen else ""
-        parts.append(f"{name} {known} (±{worst:.2g} %{also})")
+        parts.append(f"{name} {known} (±{_per_cent(worst)}{also})")
     return f"{element}: {', '.join(parts)}."
 
 
 def _log_sentences(found: Characterisation) -> list[str]:
-    sentences = []
-    lines = [f for f in found.findings if f.kind == "line"]
-    if lines:
-        strongest = max(
-            (line for result in found.channels for line in result.inspection.lines),
-            key=lambda line: line.raises,
-        )
-        channels = dict.fromkeys(f.channel for f in lines)
-        sentences.append(
-            f"Spectral lines in {', '.join(channels)}, the strongest at {strongest.peak:.3g} Hz, "
-            "raise the Allan deviation; N, B and K are fitted without them."
-        )
-    for kind, words in (
-        ("spikes", "Isolated spikes in {}: fitted without them."),
-        ("outliers", "Outliers in {} that are too many to be spikes: the noise is not Gaussian."),
-        ("handling", "Disturbances in {}: log again, or cut them off with --start and --end."),
-        ("bandwidth", "Short clusters of {} do not follow the model: left out of the fit."),
-    ):
-        channels = dict.fromkeys(f.channel for f in found.findings if f.kind == kind)
-        if channels:
-            sentences.append(words.format(", ".join(channels)))
-    better = [r.channel.name for r in found.channels if r.fit.prefers_gauss_markov]
-    if better:
-        sentences.append(
-            f"A Gauss-Markov bias explains {', '.join(better)} better than bias instability: "
-            "sensor.yaml holds it."
-        )
-    misfits = [r.channel.name for r in found.channels if misfit(r) > _WELL]
-    if misfits:
-        sentences.append(f"The model misses the curve of {', '.join(misfits)} by more than 10 %.")
-    if not lines and len(sentences) == 0:
-        sentences.append("Nothing disturbs this log.")
-    return sentences
+    sentences = [_line_sentence(found)]
+    groups = {kind: [f.channel for f in found.findings if f.kind == kind] for kind in _WORDS}
+    results = found.channels
+    groups["process"] = [r.channel.name for r in results if r.fit.prefers_gauss_markov]
+    groups["misfit"] = [r.channel.name for r in results if misfit(r) > _WELL]
+    sentences += [
+        words.format(_listed(found, groups[kind])) for kind, words in _WORDS.items() if groups[kind]
+    ]
+    told = [f"{f.text[0].upper()}{f.text[1:]}." for f in found.findings if f.kind == "log"]
+    return [*filter(None, sentences), *told] or ["Nothing disturbs this log."]
+
+
+def _listed(found: Characterisation, channels: list[str]) -> str:
+    names = list(dict.fromkeys(channels))
+    if 1 < len(names) == len(found.channels):
+        return "all channels"
+    return ", ".join(names)
+
+
+def _line_sentence(found: Characterisation) -> str:
+    channels = [f.channel for f in found.findings if f.kind == "line"]
+    if not channels:
+        return ""
+    lines = (line for result in found.channels for line in result.inspection.lines)
+    strongest = max(lines, key=lambda line: line.raises)
+    return (
+        f"Spectral lines in {_listed(found, channels)}, the strongest at {strongest.peak:.3g} Hz, raise "
+        f"the Allan deviation (by up to {strongest.raises - 1.0:.0%}); N, B and K are fitted "
+        "without them."
+    )
 
 
 def misfit(result: ChannelResult) -> float:
