@@ -16,7 +16,7 @@ from mcsim.characterisation.bias import (
     smooth,
     track_bias,
 )
-from mcsim.characterisation.fit import GaussMarkov
+from mcsim.characterisation.process import GaussMarkov
 from mcsim.errors import InputError
 from mcsim.units import STANDARD_GRAVITY
 from tests.reference.noise import gauss_markov

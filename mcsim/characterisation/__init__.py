@@ -16,7 +16,8 @@ from mcsim.characterisation.bias import (
     smooth,
     track_bias,
 )
-from mcsim.characterisation.fit import GaussMarkov, NoiseFit, fit_noise
+from mcsim.characterisation.fit import NoiseFit, fit_noise
+from mcsim.characterisation.process import GaussMarkov
 from mcsim.characterisation.spectrum import Spectrum, find_lines, spectrum_of
 
 __all__ = [

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.characterisation.fit import GaussMarkov
+from mcsim.characterisation.process import GaussMarkov
 from mcsim.errors import InputError
 from mcsim.kernels.gauss_markov import track
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from mcsim.characterisation.analysis import ChannelResult, Characterisation
 from mcsim.characterisation.bias import BiasTracking
-from mcsim.characterisation.fit import Coefficient, NoiseFit
+from mcsim.characterisation.coefficients import Coefficient
+from mcsim.characterisation.fit import NoiseFit
 from mcsim.logs.model import ACCELEROMETER, GYROSCOPE
 from mcsim.logs.parameters import Parameters
 from mcsim.units import KINDS, density_from_random_walk, in_unit

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mcsim.characterisation.analysis import ChannelResult, Characterisation
-from mcsim.characterisation.fit import Coefficient
+from mcsim.characterisation.coefficients import Coefficient
 from mcsim.characterisation.sensor_file import DENSITY, KEYS
 from mcsim.logs.model import ACCELEROMETER
 from mcsim.units import KINDS, density_from_random_walk, in_unit
@@ -116,10 +116,10 @@ def _line_sentence(found: Characterisation) -> str:
         return ""
     lines = (line for result in found.channels for line in result.inspection.lines)
     strongest = max(lines, key=lambda line: line.raises)
+    raised = f"{strongest.peak:.3g} Hz, raise the Allan deviation by up to"
     return (
-        f"Spectral lines in {_listed(found, channels)}, the strongest at {strongest.peak:.3g} Hz, raise "
-        f"the Allan deviation (by up to {strongest.raises - 1.0:.0%}); N, B and K are fitted "
-        "without them."
+        f"Spectral lines in {_listed(found, channels)}, the strongest at {raised} "
+        f"{strongest.raises - 1.0:.0%}; N, B and K are fitted without them."
     )
 
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from mcsim.characterisation.allan import allan_terms
 from mcsim.characterisation.analysis import ChannelResult, Characterisation
-from mcsim.characterisation.fit import TERMS, B, K, N
+from mcsim.characterisation.problem import TERMS, B, K, N
 from mcsim.characterisation.sensor_file import SAMPLE
 from mcsim.characterisation.spectrum import binned
 from mcsim.characterisation.verdict import noise_density, number, verdict

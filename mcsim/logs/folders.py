@@ -73,7 +73,10 @@ def _read_time(path: Path) -> Array:
 
     from mcsim.units import KINDS, factor
 
-    table = pd.read_csv(path, encoding="utf-8-sig")
+    try:
+        table = pd.read_csv(path, encoding="utf-8-sig")
+    except (OSError, ValueError, EOFError) as error:
+        raise InputError(f"{path}: cannot be read ({error})") from None
     unit = str(table.columns[0]).rpartition("(")[2].strip(") ") or "s"
     numbers = pd.to_numeric(table.iloc[:, 0], errors="coerce").to_numpy(float)
     if not len(numbers) or numbers[~(abs(numbers) < 1e15)].size:

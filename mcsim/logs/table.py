@@ -6,7 +6,9 @@ import bz2
 import gzip
 import lzma
 import re
-from collections.abc import Callable, Mapping
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -143,25 +145,18 @@ def _open(path: Path) -> IO[str]:
     return opener(path, "rt", encoding="utf-8-sig")
 
 
-class _readable:  # noqa: N801 - reads as a statement
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
     """Turns what opening and unpacking raise into one message about the file."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
-        if isinstance(error, InputError):
-            return
-        if isinstance(error, UnicodeDecodeError):
-            raise InputError(f"{self.path}: not UTF-8 text") from None
-        if isinstance(error, FileNotFoundError):
-            raise InputError(f"{self.path}: no such file") from None
-        if isinstance(error, OSError | EOFError | lzma.LZMAError):
-            reason = getattr(error, "strerror", None) or str(error)
-            raise InputError(f"{self.path}: cannot be read ({reason})") from None
+    try:
+        yield
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not UTF-8 text") from None
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, EOFError, lzma.LZMAError, zlib.error) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot be read ({reason})") from None
 
 
 def _numbers(path: Path, layout: _Layout, wanted: list[Column]) -> pd.DataFrame:
