@@ -302,3 +302,22 @@ def test_help_is_instant():
     )
     assert done.stdout.rstrip().endswith("[]")
     assert "two-sided" in done.stdout
+
+
+def test_slow_noise_has_no_lines_either():
+    """Steep spectra: the floor must follow flicker and random walk."""
+    for seed in range(20):
+        assert not find_lines(spectrum_of(noise(seed, (1e-3, 3e-3, 1e-3)), RATE))
+
+
+def test_lines_of_short_logs_are_found():
+    samples = noise(2, n=5000) + 0.05 * np.sin(np.arange(5000) * 2 * np.pi * 3.0 / RATE)
+    found = characterise(log_of(samples))
+    assert found.channels[0].inspection.lines[0].peak == pytest.approx(3.0, abs=0.1)
+    assert found.channels[0].fit["N"].value == pytest.approx(ACCEL[0], rel=0.1)
+    assert any("short" in sentence for sentence in verdict(found))
+
+
+def test_a_log_without_noise_does_not_break():
+    found = characterise(log_of(1e-6 * np.arange(20_000.0)))
+    assert np.all(np.isfinite(found.channels[0].high))

@@ -133,6 +133,8 @@ def degrees_of_freedom(curve: AllanCurve, squares: Array) -> Array:
     For a single noise they are those of Greenhall and Riley (2003, NIST SP 1065, 5.4).
     Estimates that do not overlap have fewer: as many as there are clusters allow.
     """
+    if not np.any(squares):
+        squares = np.array([0.0, 1.0, 0.0, 0.0])  # a log without noise: as if it were white
     expected = allan_terms(curve.tau)[:, :NOISES] @ squares
     variance = np.diagonal(covariances(curve).of(squares))
     degrees = 2.0 * expected**2 / variance

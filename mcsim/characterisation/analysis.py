@@ -128,6 +128,7 @@ def _bias(seen: Inspection, rate: float, fit: NoiseFit) -> BiasTracking | None:
 
 def _of_log(log: Log) -> list[Finding]:
     found = [Finding("log", "", note) for note in log.notes]
+    found += [Finding("remark", "", remark) for remark in log.remarks]
     longest = log.duration / 9.0
     found.append(
         Finding(

@@ -103,7 +103,8 @@ def correlation_model(bias: SmoothedBias, white: float = 0.0) -> GaussMarkov:
     Raises
     ------
     InputError
-        The bias is shorter than 20 averages, or nothing is left beside the white noise.
+        The bias is shorter than 20 averages, or none is left that stands out of the white
+        noise and is slower than the average.
     """
     if len(bias.values) * bias.interval < _FEWEST_LENGTHS * bias.length:
         raise InputError(f"the log is shorter than {_FEWEST_LENGTHS:.0f} averages of the bias")
@@ -112,11 +113,16 @@ def correlation_model(bias: SmoothedBias, white: float = 0.0) -> GaussMarkov:
     correlation = correlation - white**2 / bias.length * np.maximum(0.0, 1.0 - lags / bias.length)
     peak = float(correlation[0])
     below = np.flatnonzero(correlation < peak / math.e)
-    if peak <= 0.0 or not len(below):
+    # The white noise's own variance scatters by √(2 length / duration).
+    averages = len(bias.values) * bias.interval / bias.length
+    if peak <= 4.0 * white**2 / bias.length * math.sqrt(2.0 / averages) or not len(below):
         raise InputError("no bias beside the white noise")
     k = int(below[0])
     fraction = (correlation[k - 1] - peak / math.e) / (correlation[k - 1] - correlation[k])
-    return GaussMarkov(float(lags[k - 1] + fraction * bias.interval), math.sqrt(peak))
+    time = float(lags[k - 1] + fraction * bias.interval)
+    if time < bias.length:
+        raise InputError(f"no bias that is slower than the moving average of {bias.length:.4g} s")
+    return GaussMarkov(time, math.sqrt(peak))
 
 
 def track_bias(samples: Array, rate: float, model: GaussMarkov, noise: float) -> Array:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 #: Segments that a log is cut into at least, and their longest length in samples.
-_FEWEST_SEGMENTS, _LONGEST_SEGMENT = 16, 1 << 17
-#: A floor is the median over frequencies within this factor, and over so many bins at least.
-_NEIGHBOURHOOD, _FEWEST_BINS = 1.6, 15
+_FEWEST_SEGMENTS, _LONGEST_SEGMENT = 8, 1 << 17
+#: A floor is the median over frequencies within this factor; lines are looked for from the
+#: bin on that has enough neighbours.
+_NEIGHBOURHOOD, _FIRST_BIN = 1.6, 8
 #: False alarms of lines, per log.
 _FALSE_ALARMS = 1e-4
 #: A line must have at least this multiple of the floor's density at its peak.
@@ -77,8 +78,8 @@ def _floor(frequency: Array, density: Array, averages: float) -> Array:
     centres = np.geomspace(step, frequency[-1], count)
     medians = np.empty(count)
     for i, centre in enumerate(centres):
-        low = int(min(centre / _NEIGHBOURHOOD, centre - _FEWEST_BINS * step) / step)
-        high = int(max(centre * _NEIGHBOURHOOD, centre + _FEWEST_BINS * step) / step)
+        low = int(centre / _NEIGHBOURHOOD / step)
+        high = int(np.ceil(centre * _NEIGHBOURHOOD / step))
         medians[i] = np.median(density[max(low - 1, 0) : high])
     # A periodogram's median lies below its mean.
     ratio = chi2.median(2.0 * averages) / (2.0 * averages)
@@ -110,8 +111,7 @@ def find_lines(spectrum: Spectrum) -> list[Line]:
     ratio = spectrum.density / spectrum.floor
     edge = 1.0 + 3.0 / np.sqrt(spectrum.averages)
     lines = []
-    # Below some bins there is no neighbourhood to compare with.
-    first = _FEWEST_BINS
+    first = _FIRST_BIN
     high = np.flatnonzero(ratio[first:] > max(chance, _LEAST_RATIO)) + first
     while len(high):
         run = high[: int(np.argmax(np.append(np.diff(high) > _JOINED_BINS, True))) + 1]

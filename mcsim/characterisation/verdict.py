@@ -21,6 +21,8 @@ NAMES = {
 #: Half the interval's width, as a part of the value, that still counts as known.
 _WELL, _ROUGHLY = 0.1, 0.4
 
+#: Logs below this length (s) say little about the slow terms.
+_SHORT = 3600.0
 #: What is said of the channels that share a kind of finding.
 _WORDS = {
     "spikes": "Isolated spikes in {}: fitted without them.",
@@ -99,6 +101,8 @@ def _log_sentences(found: Characterisation) -> list[str]:
     sentences += [
         words.format(_listed(found, groups[kind])) for kind, words in _WORDS.items() if groups[kind]
     ]
+    if found.log.duration < _SHORT:
+        sentences.append("The log is short: bias instability and random walk need hours.")
     told = [f"{f.text[0].upper()}{f.text[1:]}." for f in found.findings if f.kind == "log"]
     return [*filter(None, sentences), *told] or ["Nothing disturbs this log."]
 

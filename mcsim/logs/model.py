@@ -66,12 +66,16 @@ class Timing:
 
 @dataclass(frozen=True)
 class Log:
-    """Equally spaced samples of up to six channels, all of the same length."""
+    """Equally spaced samples of up to six channels, all of the same length.
+
+    ``notes`` say what is doubtful about the log, ``remarks`` how it was read.
+    """
 
     path: Path
     channels: tuple[Channel, ...]
     timing: Timing
     notes: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def rate(self) -> float:

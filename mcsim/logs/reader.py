@@ -59,8 +59,8 @@ def _log_of(path: Path, table: Table, options: ReadOptions) -> Log:
             samples = _cut(spacing.apply(values[name]), spacing.timing, options, where)
             channels.append(Channel(element, axis, samples))
     gravity = check_gravity(channels, *table.units.get(ACCELEROMETER, ("m/s²", 1.0)), where)
-    notes = [*table.notes, *spacing.timing.notes, *([gravity] if gravity else [])]
-    return Log(path, tuple(channels), spacing.timing, tuple(notes))
+    notes = [*spacing.timing.notes, *([gravity] if gravity else [])]
+    return Log(path, tuple(channels), spacing.timing, tuple(notes), table.notes)
 
 
 def _cut(samples: Array, timing: Timing, options: ReadOptions, where: str) -> Array:
