@@ -199,6 +199,27 @@ def scaling(rounds: int) -> dict[str, object]:
     return {name: round(value / base, 2) for name, value in ns.items()}
 
 
+def allan_speed(rounds: int) -> dict[str, object]:
+    """Overlapping Allan deviation of 14 h at 100 Hz, against allantools at the same times."""
+    import allantools
+
+    from mcsim.characterisation import allan_curve
+
+    samples = np.random.default_rng(1).standard_normal(14 * 3600 * 100)
+    tau = allan_curve(samples, 100.0).tau
+
+    def theirs() -> int:
+        allantools.oadev(samples, rate=100.0, data_type="freq", taus=tau)
+        return len(samples)
+
+    def ours() -> int:
+        allan_curve(samples, 100.0)
+        return len(samples)
+
+    ns = interleaved({"allantools": theirs, "mcsim": ours}, max(1, rounds // 3))
+    return {"time to allantools'": round(ns["mcsim"] / ns["allantools"], 3)}
+
+
 def sweep_overhead(rounds: int) -> dict[str, object]:
     """A point of a sweep (1000 realizations, statistics) relative to its kernel time."""
     whole = Scenario.from_yaml(BASE)
@@ -332,6 +353,7 @@ def main() -> None:
         "statistics": lambda: statistics_cost(rounds),
         "scaling (time per realization and sample)": lambda: scaling(rounds),
         "sweep (time per point)": lambda: sweep_overhead(rounds),
+        "Allan deviation, 14 h at 100 Hz": lambda: allan_speed(rounds),
     }
     if not options.quick:
         parts |= {

@@ -50,7 +50,7 @@ def _per(factors: Mapping[str, float], divisors: Mapping[str, float]) -> dict[st
 
 
 _LENGTH = {"m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6}
-_TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "min": 60.0, "h": 3600.0}
+_TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 _ANGLE = {"°": _DEG, "rad": 1.0, "mrad": 1e-3, "µrad": 1e-6}
 _FREQUENCY = {"Hz": 1.0, "kHz": 1e3}
 _SPEED = {"m/s": 1.0, "km/h": 1 / 3.6, "mm/s": 1e-3, "cm/s": 1e-2, "mph": 0.44704}
@@ -79,11 +79,14 @@ _ACCELERATION_WALK = {
     **_per(_ACCELERATION, _ROOT_TIME),
     "m/s/h^1.5": 1.0 / 216000.0,
     "m/s/h/√h": 1.0 / 216000.0,
+    "m/s/s^1.5": 1.0,
     "m/s³/√Hz": 1.0,
 }
 _RATE_WALK = {
     **_per(_RATE, _ROOT_TIME),
     "°/h^1.5": _DEG / 216000.0,
+    "°/s^1.5": _DEG,
+    "rad/s^1.5": 1.0,
     "°/s²/√Hz": _DEG,
     "rad/s²/√Hz": 1.0,
 }
@@ -156,8 +159,14 @@ _SPELLINGS = (
     ("\N{GREEK SMALL LETTER MU}", "µ"),
     ("\N{MASCULINE ORDINAL INDICATOR}", "°"),
     ("**", "^"),
+    ("s^-1", "/s"),
+    ("s⁻¹", "/s"),
+    ("s^-2", "/s²"),
+    ("s⁻²", "/s²"),
     ("^2", "²"),
     ("^3", "³"),
+    ("^(3/2)", "^1.5"),
+    ("^{3/2}", "^1.5"),
     ("^0.5", "^½"),
     ("sqrt", "√"),
     ("degrees", "°"),
@@ -184,6 +193,7 @@ _WORDS = {
     "hz": "Hz",
     "rtHz": "√Hz",
     "m/s/s": "m/s²",
+    "m/s2": "m/s²",
     "mps": "m/s",
 }
 

@@ -9,7 +9,7 @@ from mcsim.scenario.document import parse_document
 from mcsim.scenario.sensor_block import SensorFile
 from mcsim.scenario.validation import validate
 from mcsim.units import KINDS, parse
-from tests.conftest import scenario
+from tests.conftest import density, scenario
 
 G = 9.80665
 KIND_OF = {
@@ -148,7 +148,7 @@ def test_contradictions_of_the_source_are_named(name, source, origin, words):
 
 def test_scenarios_take_measured_sensors_by_name():
     s = scenario({"sensors.accelerometer": "MPU-9250"})
-    assert s.base.sensors.accelerometer.density == pytest.approx(300e-6 * G)
+    assert density(s.base.sensors.accelerometer) == pytest.approx(300e-6 * G)
 
 
 def test_a_named_sensors_values_yield_to_those_written():

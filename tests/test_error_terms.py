@@ -371,3 +371,37 @@ def test_calibration_replaces_the_assumed_miscalibration():
     with pytest.raises(InputError, match=r"remove `gyroscope\.miscalibration`"):
         scenario({**ALL_ERRORS, "sensors.calibration": {"duration": "10 s"},
                   "sensors.accelerometer.miscalibration": "0 m/s^2"})  # fmt: skip
+
+
+# Sensor files
+
+
+def test_sensor_files_are_sensors(tmp_path):
+    """A file as `mcsim characterise` writes it; forward is its x axis, left its y axis."""
+    (tmp_path / "mine.yaml").write_text(
+        "description: measured\n"
+        "accelerometer:\n"
+        "  velocity_random_walk: 0.1 m/s/√h\n"
+        "  bias_instability: 2 m/s/h\n"
+        "  axes:\n"
+        "    x: {velocity_random_walk: 0.06 m/s/√h}\n"
+        "    y: {velocity_random_walk: 0.12 m/s/√h}\n"
+        "    z: {velocity_random_walk: 0.18 m/s/√h}\n"
+        "gyroscope: {angle_random_walk: 0.3 °/√h, rate: 100 Hz}\n",
+        encoding="utf-8",
+    )
+    base = {**scenario().document.tree, "sensors": {"rate": "100 Hz", "accelerometer": "mine.yaml",
+            "gyroscope": {"model": "mine.yaml", "miscalibration": "1 °/s"}}}  # fmt: skip
+    s = mcsim.Scenario.from_dict(base, folder=tmp_path)
+    accelerometer = s.base.sensors.accelerometer
+    assert accelerometer.velocity_random_walk == pytest.approx((1e-3, 2e-3, 3e-3))
+    assert accelerometer.bias_instability == (pytest.approx(2 / 3600),)
+    assert s.base.files == ("mine.yaml",)
+    budget = mcsim.run(s).budget
+    assert "accelerometer bias instability" in set(budget["source"])
+    gyroscope_only = {**base, "sensors": {**base["sensors"], "accelerometer": "other.yaml"}}
+    with pytest.raises(InputError, match=r"other\.yaml: cannot be read"):
+        mcsim.Scenario.from_dict(gyroscope_only, folder=tmp_path)
+    (tmp_path / "other.yaml").write_text("gyroscope: {angle_random_walk: 0.3 °/√h}\n")
+    with pytest.raises(InputError, match=r"other\.yaml: has no accelerometer"):
+        mcsim.Scenario.from_dict(gyroscope_only, folder=tmp_path)

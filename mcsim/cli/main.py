@@ -12,6 +12,7 @@ import click
 
 from mcsim.cli.budget import budget
 from mcsim.cli.calibrate import calibrate, linearity
+from mcsim.cli.characterise import characterise
 from mcsim.cli.convert import convert
 from mcsim.cli.table import table
 from mcsim.cli.vibration import vibration
@@ -141,7 +142,7 @@ def run(
     _raise_failures(failures)
 
 
-for command in (budget, calibrate, convert, linearity, table, vibration):
+for command in (budget, calibrate, characterise, convert, linearity, table, vibration):
     commands.add_command(command)
 
 

@@ -25,6 +25,8 @@ class Document:
     source: str
     lines: Mapping[PathKey, int] = field(default_factory=dict)
     overrides: Mapping[PathKey, str] = field(default_factory=dict)
+    #: What relative file names refer to.
+    folder: Path = Path()
 
     def place(self, path: PathKey) -> str:
         """``file:line`` (or the option) that set the value at ``path``, or its parent."""

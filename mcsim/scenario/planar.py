@@ -45,4 +45,5 @@ class PlanarScenario(CaseScenario):
 
     @property
     def files(self) -> tuple[str, ...]:
-        return (self.trajectory.file,) if isinstance(self.trajectory, Recorded) else ()
+        drives = (self.trajectory.file,) if isinstance(self.trajectory, Recorded) else ()
+        return (*drives, *self.sensors.files)

@@ -109,6 +109,7 @@ class Scenario:
         overrides: Mapping[str, Any] | Sequence[str],
     ) -> Scenario:
         model = _case(document)
+        document = replace(document, folder=folder)
         document = _override(document, overrides, model)
         axes = read_axes(document, model)
         for axis in axes:

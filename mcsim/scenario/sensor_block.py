@@ -6,9 +6,16 @@ is one quantity for all axes, or a list [x, y, z].
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, GetJsonSchemaHandler, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+    model_validator,
+)
 from pydantic_core import CoreSchema
 
 from mcsim import catalogue
@@ -122,7 +129,8 @@ class _Element(Block):
     """What both elements have."""
 
     model: str | None = None
-    """Name of a built-in sensor (`mcsim sensors`); its values hold unless written here."""
+    """Name of a built-in sensor (`mcsim sensors`), or a sensor file such as `mcsim
+    characterise` writes; its values hold unless written here."""
     scale_factor_error: Ratios | None = None
     """Standard deviation of the scale factor error."""
     misalignment: Angles | None = None
@@ -198,15 +206,27 @@ class GyroscopeErrors(_Element):
 NOISE_KEYS = {"noise_density", "velocity_random_walk", "angle_random_walk"}
 
 
-def named_element(element: str) -> BeforeValidator:
-    """Accept a built-in sensor's name for its block, or fill a block's gaps by its ``model``."""
+def is_file(model: str) -> bool:
+    """Whether a sensor's name is that of a file."""
+    return Path(model).suffix.lower() in (".yaml", ".yml")
 
-    def expand(value: Any) -> Any:
+
+def named_element(element: str) -> BeforeValidator:
+    """Accept a sensor's name for its block, or fill a block's gaps by its ``model``.
+
+    A name that ends in ``.yaml`` is that of a sensor file, relative to the scenario's folder.
+    """
+
+    def expand(value: Any, info: ValidationInfo) -> Any:
         block = {"model": value} if isinstance(value, str) else value
         if not isinstance(block, dict) or not isinstance(block.get("model"), str):
             return block
         try:
-            known = dict(catalogue.element(block["model"], element))
+            if is_file(block["model"]):
+                folder = (info.context or {}).get("folder", Path())
+                known = dict(catalogue.file_element(folder / block["model"], element))
+            else:
+                known = dict(catalogue.element(block["model"], element))
         except InputError as error:
             raise reject(str(error)) from None
         if block.keys() & NOISE_KEYS:

@@ -12,6 +12,7 @@ from mcsim.scenario.fields import Frequency, NotNegative, Positive, Time, reject
 from mcsim.scenario.sensor_block import (
     AccelerometerErrors,
     GyroscopeErrors,
+    is_file,
     named_element,
 )
 
@@ -67,6 +68,12 @@ class Sensors(Block):
     """Standard deviation of the instants at which samples are really taken."""
     calibration: BiasCalibration | None = None
     """Replaces the constant offsets by what is left after calibrating at rest."""
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Sensor files that the block refers to, as written."""
+        models = {self.accelerometer.model, self.gyroscope.model}
+        return tuple(sorted(name for name in models if name and is_file(name)))
 
     @model_validator(mode="after")
     def _calibrated_or_assumed(self) -> Sensors:

@@ -27,7 +27,7 @@ def validate(document: Document, model: type[Model]) -> Model:
         One line per problem: place, field, what is wrong, what would be right.
     """
     try:
-        return model.model_validate(document.tree)
+        return model.model_validate(document.tree, context={"folder": document.folder})
     except ValidationError as error:
         raise InputError(describe(error, document, model)) from None
 

@@ -1,0 +1,174 @@
+"""Noise coefficients Q, N, B, K and R from an Allan curve, with intervals.
+
+The Allan variance is linear in the squares of the coefficients.  They are fitted by
+non-negative least squares, each point weighted by the inverse of the deviation that it
+has under the fitted model itself, which is iterated: relative weights.  Overlapping
+clusters scatter together; the intervals follow from their whole covariance under the
+model (Greenhall and Riley 2003).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.characterisation.allan import AllanCurve, allan_terms, covariances
+from mcsim.characterisation.coefficients import Coefficient, coefficients_of
+from mcsim.characterisation.problem import (
+    B,
+    K,
+    N,
+    Problem,
+    Q,
+    R,
+    Solution,
+    likelihood,
+    misfit,
+    solve,
+)
+from mcsim.characterisation.process import GaussMarkovFit, fit_gauss_markov
+
+Array = NDArray[np.float64]
+
+#: Terms that every fit holds; the others must prove that the data need them.
+_KEPT = (N, B, K)
+#: The error of the model is raised up to this, step by step, when the curve does not follow.
+_MOST_MODEL_ERROR, _MODEL_ERROR_STEP = 0.5, 1.25
+#: Reduction of χ² that a further term must bring (4 σ for one term).
+_NEEDED = 16.0
+#: The shortest cluster is left out when it lies off by so many standard errors, and by
+#: this part, from what the next ones say.
+_MISFIT, _VISIBLE, _NEIGHBOURS = 5.0, 0.04, 4
+#: Probability of a χ² at which the model no longer explains the curve by scatter alone.
+_UNLIKELY = 0.01
+#: A Gauss-Markov bias takes flicker's place when the model error with flicker is larger
+#: than this, and χ² so many times that with the process.
+_VISIBLE_MODEL_ERROR, _CLEARLY = 0.05, 4.0
+_FEWEST_TIMES = 6
+
+
+@dataclass(frozen=True)
+class NoiseFit:
+    """Coefficients of the model over ``tau_from`` to ``tau_to`` (s).
+
+    ``squares`` float64 (5,) are Q², N², B², K², R² in SI units.  ``model_error`` is the
+    relative error of the variance at each cluster time that the model is allowed.
+    """
+
+    coefficients: dict[str, Coefficient]
+    squares: Array
+    tau_from: float
+    tau_to: float
+    chi_square: float
+    times: int
+    confidence: float
+    stated_range: bool
+    model_error: float
+    gauss_markov: GaussMarkovFit | None = None
+
+    @property
+    def prefers_gauss_markov(self) -> bool:
+        """Whether flicker visibly misses the curve, and a Gauss-Markov bias does not."""
+        return (
+            self.gauss_markov is not None
+            and self.model_error > _VISIBLE_MODEL_ERROR
+            and self.chi_square > _CLEARLY * self.gauss_markov.chi_square
+        )
+
+    def deviation(self, tau: Array) -> Array:
+        """Allan deviation (k,) of the model that fits better."""
+        if self.gauss_markov is not None and self.prefers_gauss_markov:
+            return self.gauss_markov.allan_deviation(tau)
+        return (allan_terms(tau) @ self.squares) ** 0.5
+
+    def __getitem__(self, term: str) -> Coefficient:
+        return self.coefficients[term]
+
+
+def fit_noise(
+    curve: AllanCurve,
+    tau_range: tuple[float, float] | None = None,
+    confidence: float = 0.95,
+) -> NoiseFit:
+    """Fit Q, N, B, K and R to an overlapping Allan curve.
+
+    Q and R enter only where χ² demands them.  Without a ``tau_range`` (s) the shortest
+    clusters are left out as long as they contradict the model, as those of a sensor
+    with a low-pass filter do.
+
+    Raises
+    ------
+    ValueError
+        Fewer than six cluster times in the range.
+    """
+    problem = _problem(curve, tau_range)
+    free = tau_range is None
+    while free and len(problem.tau) > _FEWEST_TIMES + _NEIGHBOURS and _first_misfits(problem):
+        problem = problem.part(slice(1, None))
+    terms, solution = _choose_terms(problem)
+    problem, solution = _allow_for_the_model(problem, terms, solution)
+    fit = NoiseFit(
+        coefficients=coefficients_of(problem, solution, terms, confidence),
+        squares=solution.squares,
+        tau_from=float(problem.tau[0]),
+        tau_to=float(problem.tau[-1]),
+        chi_square=solution.chi_square,
+        times=len(problem.tau),
+        confidence=confidence,
+        stated_range=not free,
+        model_error=problem.model_error,
+    )
+    return replace(fit, gauss_markov=fit_gauss_markov(problem, solution.weights))
+
+
+def _problem(curve: AllanCurve, tau_range: tuple[float, float] | None) -> Problem:
+    low, high = tau_range or (0.0, np.inf)
+    # Five cluster times to a decade hold all that ten do.
+    keep = np.flatnonzero((curve.tau >= low) & (curve.tau <= high))[::2]
+    if len(keep) < _FEWEST_TIMES:
+        raise ValueError(
+            f"{len(keep)} cluster times between {low:.4g} s and {high:.4g} s; "
+            f"a fit needs at least {_FEWEST_TIMES}"
+        )
+    part = replace(curve, factors=curve.factors[keep], variance=curve.variance[keep])
+    return Problem(part.tau, part.variance, covariances(part))
+
+
+def _choose_terms(problem: Problem) -> tuple[tuple[int, ...], Solution]:
+    """The kept terms, and those others that lower χ² by enough."""
+    terms: tuple[int, ...] = _KEPT
+    solution = solve(problem, terms)
+    for extra in (Q, R):
+        longer = tuple(sorted((*terms, extra)))
+        trial = solve(problem, longer)
+        # Compared under the same weights: a richer model must not win by wider errors.
+        before = misfit(problem, solution.squares, trial.weights)
+        if before - trial.chi_square > _NEEDED and trial.squares[extra] > 0.0:
+            terms, solution = longer, trial
+    return terms, solution
+
+
+def _allow_for_the_model(
+    problem: Problem, terms: tuple[int, ...], solution: Solution
+) -> tuple[Problem, Solution]:
+    """Raise the error of the model until the curve's misfit is likely under it.
+
+    Real noise is no exact sum of five powers of τ.  Without this the well known short
+    clusters would bend the model away from the long ones, and the intervals would lie.
+    """
+    while (
+        likelihood(problem, terms, solution) < _UNLIKELY and problem.model_error < _MOST_MODEL_ERROR
+    ):
+        problem = replace(problem, model_error=problem.model_error * _MODEL_ERROR_STEP)
+        solution = solve(problem, terms)
+    return problem, solution
+
+
+def _first_misfits(problem: Problem) -> bool:
+    """Whether the shortest cluster contradicts what the next ones say about it."""
+    squares = solve(problem.part(slice(1, 1 + _NEIGHBOURS)), (Q, *_KEPT)).squares
+    expected = float((allan_terms(problem.tau[:1]) @ squares)[0])
+    scatter = float(np.sqrt(problem.covariance(squares)[0, 0]))
+    return abs(problem.variance[0] - expected) > max(_MISFIT * scatter, _VISIBLE * expected)

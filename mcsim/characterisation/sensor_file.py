@@ -1,0 +1,225 @@
+"""``sensor.yaml``: what was found, in the words of a scenario's sensor block."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from io import StringIO
+from typing import Any
+
+import numpy as np
+
+from mcsim.characterisation.analysis import ChannelResult, Characterisation
+from mcsim.characterisation.bias import BiasTracking
+from mcsim.characterisation.coefficients import Coefficient
+from mcsim.characterisation.fit import NoiseFit
+from mcsim.logs.model import ACCELEROMETER, GYROSCOPE
+from mcsim.logs.parameters import Parameters
+from mcsim.units import KINDS, density_from_random_walk, in_unit
+from mcsim.version import __version__
+
+#: Per element and term: key of the sensor block, kind of quantity, unit that is written.
+KEYS = {
+    ACCELEROMETER: {
+        "N": ("velocity_random_walk", "velocity random walk", "m/s/√h"),
+        "B": ("bias_instability", "acceleration", "m/s/h"),
+        "K": ("acceleration_random_walk", "acceleration random walk", "m/s/h^1.5"),
+    },
+    GYROSCOPE: {
+        "N": ("angle_random_walk", "angle random walk", "°/√h"),
+        "B": ("bias_instability", "angular rate", "°/h"),
+        "K": ("rate_random_walk", "rate random walk", "°/h^1.5"),
+    },
+}
+#: Kind and unit of a sample, and of a one-sided noise density.
+SAMPLE = {ACCELEROMETER: ("acceleration", "m/s²"), GYROSCOPE: ("angular rate", "°/s")}
+DENSITY = {
+    ACCELEROMETER: ("acceleration noise density", "µg/√Hz"),
+    GYROSCOPE: ("angular rate noise density", "°/s/√Hz"),
+}
+CONVENTION = (
+    "Allan's N (velocity_random_walk, angle_random_walk) belongs to a two-sided density: one "
+    "sample at rate fs has the variance N² fs. A data sheet's one-sided noise density is √2 N. "
+    "The Allan deviation's floor is 0.664 B."
+)
+
+
+def written(value: float, unit: str, kind: str) -> str:
+    """An SI value with its unit, to six digits."""
+    return f"{in_unit(value, unit, KINDS[kind]):.6g} {unit}"
+
+
+def sensor_file(found: Characterisation) -> str:
+    """The YAML text of a characterised log."""
+    log = found.log
+    confidence = f"{found.settings.confidence:.6g}"
+    document: dict[str, Any] = {
+        "description": f"characterised from {log.path.name}",
+        "origin": "measured",
+        "source": f"static log {log.path.name}, {log.duration:.6g} s at {log.rate:.6g} Hz",
+    }
+    for element in KEYS:
+        results = found.of(element)
+        if results:
+            document[element] = _element(element, results, log.rate)
+    document["fit"] = {
+        "confidence": float(confidence),
+        **{result.channel.name: _fit_details(result) for result in found.channels},
+        "findings": [f"{f.channel}: {f.text}" if f.channel else f.text for f in found.findings],
+    }
+    return _text(
+        document,
+        [
+            CONVENTION,
+            "Values of an element are root mean squares over its axes; a term that an axis does "
+            "not show counts as 0 there. `fit` holds the intervals and what was found.",
+        ],
+    )
+
+
+def parameter_file(parameters: Parameters, name: str) -> str:
+    """The YAML text of ready parameters."""
+    document: dict[str, Any] = {
+        "description": f"parameters of {name}",
+        "origin": "measured",
+        "source": f"{parameters.kind} {name}",
+    }
+    for element, axes in parameters.values.items():
+        per_axis = {axis: _terms(element, terms) for axis, terms in axes.items() if axis}
+        whole = axes.get("")
+        if per_axis:
+            # The root mean square, whatever the file's own average is.
+            whole = _root_mean_squares([terms for axis, terms in axes.items() if axis])
+        block = _terms(element, whole or {})
+        if parameters.rate is not None:
+            block["rate"] = f"{parameters.rate:.6g} Hz"
+        document[element] = block | ({"axes": per_axis} if per_axis else {})
+    return _text(document, [CONVENTION, *parameters.notes])
+
+
+def _element(element: str, results: list[ChannelResult], rate: float) -> dict[str, Any]:
+    per_axis = [_found_terms(result.fit) for result in results]
+    block = _terms(element, _root_mean_squares(per_axis))
+    kind, unit = SAMPLE[element]
+    steps = [r.inspection.resolution for r in results if r.inspection.resolution is not None]
+    if steps:
+        block["resolution"] = written(max(steps), unit, kind)
+    block["rate"] = f"{rate:.6g} Hz"
+    block["axes"] = {
+        result.channel.axis: _terms(element, terms)
+        for result, terms in zip(results, per_axis, strict=True)
+    }
+    return block
+
+
+def _found_terms(fit: NoiseFit) -> dict[str, float]:
+    """N, B and K that the log shows; with a Gauss-Markov bias its σ and Tc in place of B."""
+    process = fit.gauss_markov
+    if process is not None and fit.prefers_gauss_markov:
+        found = {"N": process.white, "K": process.random_walk}
+        found |= {"σ": process.model.deviation, "Tc": process.model.correlation_time}
+        return {term: value for term, value in found.items() if value > 0.0}
+    return {term: fit[term].value for term in ("N", "B", "K") if fit[term].seen}
+
+
+def _root_mean_squares(axes: Iterable[Mapping[str, float]]) -> dict[str, float]:
+    """Of each term over all axes; an axis without the term counts as 0.
+
+    Correlation times are averaged on the logarithmic axis, over the axes that have one.
+    """
+    axes = list(axes)
+    terms = [term for term in ("N", "B", "K", "σ") if any(term in axis for axis in axes)]
+    means = {
+        term: float(np.sqrt(np.mean([axis.get(term, 0.0) ** 2 for axis in axes]))) for term in terms
+    }
+    times = [axis["Tc"] for axis in axes if "Tc" in axis]
+    return means | ({"Tc": float(np.exp(np.mean(np.log(times))))} if times else {})
+
+
+def _terms(element: str, terms: Mapping[str, float]) -> dict[str, Any]:
+    block: dict[str, Any] = {}
+    for term, (key, kind, unit) in KEYS[element].items():
+        if terms.get(term):
+            block[key] = written(terms[term], unit, kind)
+    if "Tc" in terms:
+        kind, unit = SAMPLE[element]
+        block["gauss_markov"] = {
+            "deviation": written(terms["σ"], unit, kind),
+            "correlation_time": f"{terms['Tc']:.6g} s",
+        }
+    return block
+
+
+def _fit_details(result: ChannelResult) -> dict[str, Any]:
+    element, fit = result.channel.element, result.fit
+    details: dict[str, Any] = {
+        "cluster_times": f"{fit.tau_from:.4g} s to {fit.tau_to:.4g} s",
+        "chi_square": f"{fit.chi_square:.3g} of {fit.times} cluster times",
+        "model_error": f"{100 * fit.model_error:.2g} % of the Allan variance",
+    }
+    for term, (key, kind, unit) in KEYS[element].items():
+        details[key] = _interval(fit[term], unit, kind)
+    kind, unit = DENSITY[element]
+    density = density_from_random_walk
+    details["one_sided_noise_density"] = written(density(fit["N"].value), unit, kind)
+    details["one_sided_noise_density_from_spectrum"] = written(density(result.floor), unit, kind)
+    details |= _other_terms(element, fit)
+    if fit.gauss_markov is not None:
+        kind, unit = SAMPLE[element]
+        model = fit.gauss_markov
+        details["gauss_markov_in_place_of_bias_instability"] = {
+            "correlation_time": f"{model.model.correlation_time:.4g} s",
+            "correlation_time_interval": f"{model.time_low:.4g} s to {model.time_high:.4g} s",
+            "deviation": written(model.model.deviation, unit, kind),
+            "chi_square": f"{model.chi_square:.3g} of {fit.times} cluster times",
+        }
+    if result.bias is not None:
+        details["bias_tracking"] = _bias_details(element, result.bias)
+    return details
+
+
+def _interval(coefficient: Coefficient, unit: str, kind: str) -> str:
+    low, high = (written(v, unit, kind) for v in (coefficient.low, coefficient.high))
+    if not coefficient.seen:
+        return f"not seen; below {high}"
+    return f"{written(coefficient.value, unit, kind)}, between {low} and {high}"
+
+
+def _other_terms(element: str, fit: NoiseFit) -> dict[str, str]:
+    """Quantisation and ramp, where the data demand them; in SI units (Q with a further s)."""
+    base = "m/s" if element == ACCELEROMETER else "rad"
+    found = {}
+    for term, name, unit in (
+        ("Q", "quantisation_noise", base),
+        ("R", "rate_ramp", f"{base}/s²" if element == GYROSCOPE else "m/s³"),
+    ):
+        if term in fit.coefficients:
+            c = fit[term]
+            found[name] = f"{c.value:.4g} {unit}, between {c.low:.4g} and {c.high:.4g} {unit}"
+    return found
+
+
+def _bias_details(element: str, bias: BiasTracking) -> dict[str, str]:
+    kind, unit = SAMPLE[element]
+    return {
+        "correlation_time": f"{bias.model.correlation_time:.4g} s",
+        "deviation": written(bias.model.deviation, unit, kind),
+        "moving_average": f"{bias.smoothing:.4g} s",
+        "kalman_rmse": written(bias.kalman_expected, unit, kind),
+        "mean_rmse": written(bias.mean_expected, unit, kind),
+        "mean_over": f"{bias.mean_length:.4g} s",
+        "kalman_rms_from_smoothed_log": written(bias.kalman_measured, unit, kind),
+        "mean_rms_from_smoothed_log": written(bias.mean_measured, unit, kind),
+    }
+
+
+def _text(document: Mapping[str, Any], comments: list[str]) -> str:
+    from textwrap import wrap
+
+    from ruamel.yaml import YAML
+
+    yaml = YAML()
+    yaml.width = 4096
+    stream = StringIO()
+    yaml.dump(dict(document), stream)
+    head = [f"Written by mcsim {__version__}.", *(line for c in comments for line in wrap(c, 90))]
+    return "".join(f"# {line}\n" for line in head) + "\n" + stream.getvalue()

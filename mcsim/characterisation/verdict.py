@@ -1,0 +1,138 @@
+"""What a characterisation says, in plain sentences."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mcsim.characterisation.analysis import ChannelResult, Characterisation
+from mcsim.characterisation.coefficients import Coefficient
+from mcsim.characterisation.sensor_file import DENSITY, KEYS
+from mcsim.logs.model import ACCELEROMETER
+from mcsim.units import KINDS, density_from_random_walk, in_unit
+
+NAMES = {
+    ACCELEROMETER: {
+        "N": "velocity random walk",
+        "B": "bias instability",
+        "K": "acceleration random walk",
+    },
+    "gyroscope": {"N": "angle random walk", "B": "bias instability", "K": "rate random walk"},
+}
+#: Half the interval's width, as a part of the value, that still counts as known.
+_WELL, _ROUGHLY = 0.1, 0.4
+
+#: Logs below this length (s) say little about the slow terms.
+_SHORT = 3600.0
+#: What is said of the channels that share a kind of finding.
+_WORDS = {
+    "spikes": "Isolated spikes in {}: fitted without them.",
+    "outliers": "Outliers in {} that are too many to be spikes: the noise is not Gaussian.",
+    "handling": "Disturbances in {}: log again, or cut them off with --start and --end.",
+    "coarse": "Quantisation of {} is coarser than the noise: N and B are not to be trusted.",
+    "quantisation": "Quantisation steps show in {}; the noise carries the signal over them.",
+    "bandwidth": "Short clusters of {} do not follow the model: left out of the fit.",
+    "spectrum": "The spectrum of {} is not flat up to 2/5 of the rate: a filter, or aliasing.",
+    "bias": "The bias of {} has no correlation time of its own: the longer the log, the longer.",
+    "process": "A Gauss-Markov bias explains {} better than bias instability: sensor.yaml has it.",
+    "misfit": "The model misses the curve of {} by more than 10 %.",
+}
+
+
+def verdict(found: Characterisation) -> list[str]:
+    """A few sentences: how well each term is known, what the log lacks, what was found."""
+    sentences = []
+    for element in KEYS:
+        results = found.of(element)
+        if results:
+            sentences += [_element(element, results)]
+    sentences += _log_sentences(found)
+    return sentences
+
+
+def number(coefficient: Coefficient, element: str, term: str) -> str:
+    """Value and uncertainty in the sensor block's unit: ``0.0833 m/s/√h ± 0.4 %``."""
+    _, kind, unit = KEYS[element][term]
+    if not coefficient.seen:
+        return f"not seen (below {in_unit(coefficient.high, unit, KINDS[kind]):.3g} {unit})"
+    value = f"{in_unit(coefficient.value, unit, KINDS[kind]):.3g} {unit}"
+    return f"{value} ± {_per_cent(half_width(coefficient))}"
+
+
+def half_width(coefficient: Coefficient) -> float:
+    """Half the width of the interval in per cent of the value."""
+    return 50.0 * (coefficient.high - coefficient.low) / coefficient.value
+
+
+def _per_cent(value: float) -> str:
+    return f"{value:.2g} %" if value < 99.5 else f"{value:.0f} %"
+
+
+def noise_density(result: ChannelResult) -> str:
+    """The one-sided noise density of a channel, as a data sheet prints it."""
+    kind, unit = DENSITY[result.channel.element]
+    density = density_from_random_walk(result.fit["N"].value)
+    return f"{in_unit(density, unit, KINDS[kind]):.3g} {unit}"
+
+
+def _element(element: str, results: list[ChannelResult]) -> str:
+    """How well each term of an element is known, over its axes."""
+    parts = []
+    for term, name in NAMES[element].items():
+        unseen = [r.channel.axis for r in results if not r.fit[term].seen]
+        widths = [half_width(r.fit[term]) for r in results if r.fit[term].seen]
+        if len(unseen) == len(results):
+            parts.append(f"{name} does not show in this log")
+            continue
+        worst = max(widths)
+        known = "well known" if worst <= 100 * _WELL else "roughly known"
+        if worst > 100 * _ROUGHLY:
+            known = "hardly known"
+        also = f"; not seen on {', '.join(unseen)}" if unseen else ""
+        parts.append(f"{name} {known} (±{_per_cent(worst)}{also})")
+    return f"{element}: {', '.join(parts)}."
+
+
+def _log_sentences(found: Characterisation) -> list[str]:
+    sentences = [_line_sentence(found)]
+    groups = {kind: [f.channel for f in found.findings if f.kind == kind] for kind in _WORDS}
+    results = found.channels
+    groups["process"] = [r.channel.name for r in results if r.fit.prefers_gauss_markov]
+    groups["misfit"] = [r.channel.name for r in results if misfit(r) > _WELL]
+    sentences += [
+        words.format(_listed(found, groups[kind])) for kind, words in _WORDS.items() if groups[kind]
+    ]
+    if found.log.duration < _SHORT:
+        sentences.append("The log is short: bias instability and random walk need hours.")
+    told = [f"{f.text[0].upper()}{f.text[1:]}." for f in found.findings if f.kind == "log"]
+    return [*filter(None, sentences), *told] or ["Nothing disturbs this log."]
+
+
+def _listed(found: Characterisation, channels: list[str]) -> str:
+    names = list(dict.fromkeys(channels))
+    if 1 < len(names) == len(found.channels):
+        return "all channels"
+    return ", ".join(names)
+
+
+def _line_sentence(found: Characterisation) -> str:
+    channels = [f.channel for f in found.findings if f.kind == "line"]
+    if not channels:
+        return ""
+    lines = (line for result in found.channels for line in result.inspection.lines)
+    strongest = max(lines, key=lambda line: line.raises)
+    raised = f"{strongest.peak:.3g} Hz, raise the Allan deviation by up to"
+    return (
+        f"Spectral lines in {_listed(found, channels)}, the strongest at {raised} "
+        f"{strongest.raises - 1.0:.0%}; N, B and K are fitted without them."
+    )
+
+
+def misfit(result: ChannelResult) -> float:
+    """Largest relative distance of curve and model where the curve is known to 5 %."""
+    fit, curve = result.fit, result.fitted
+    known = (curve.tau >= fit.tau_from) & (curve.tau <= fit.tau_to)
+    known &= (result.high - result.low) < 0.1 * result.curve.deviation
+    if not np.any(known):
+        return 0.0
+    ratio = curve.deviation[known] / fit.deviation(curve.tau[known])
+    return float(np.max(np.abs(ratio - 1.0)))

@@ -1,0 +1,229 @@
+"""``mcsim characterise``: from a static log to a sensor's parameters."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mcsim.errors import InputError
+
+if TYPE_CHECKING:
+    from mcsim.characterisation.analysis import Characterisation, Settings
+    from mcsim.logs.parameters import Parameters
+
+_ENDINGS = (".gz", ".xz", ".bz2", ".csv", ".txt", ".yaml", ".yml", ".bag", ".mcap", ".db3")
+
+
+@click.command()
+@click.argument("log", type=click.Path(path_type=Path))
+@click.option("--rate", type=float, metavar="HZ", help="Sampling rate of a log without time.")
+@click.option(
+    "--columns",
+    help="What the columns are: time, accel_x … gyro_z in order (- skips one), or accel_x=TITLE,….",
+)
+@click.option(
+    "--units",
+    help="Units in the order of the columns, or accelerometer=g,gyroscope=deg/s,time=ms.",
+)
+@click.option("--topic", help="Topic of the IMU in a bag.")
+@click.option("--start", type=float, metavar="S", help="Leave out what lies before (s).")
+@click.option("--end", type=float, metavar="S", help="Leave out what lies after (s).")
+@click.option(
+    "--fit-range",
+    type=float,
+    nargs=2,
+    metavar="FROM TO",
+    help="Cluster times of the fit in s; all that follow the model if absent.",
+)
+@click.option("--non-overlapping", is_flag=True, help="Report non-overlapping Allan deviations.")
+@click.option("--confidence", default="95 %", show_default=True, help="Of all intervals.")
+@click.option(
+    "--noise-convention",
+    type=click.Choice(["continuous", "discrete"]),
+    help="imu_utils: *_n is Allan's N, or N √rate.",
+)
+@click.option(
+    "--walk-convention",
+    type=click.Choice(["allan-minimum", "random-walk", "ignore"]),
+    help="imu_utils: *_w is the Allan deviation's minimum, or Allan's K.",
+)
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    help="Folder for the results; output/LOG if absent.",
+)
+@click.option("--quiet", is_flag=True, help="No progress, no summary.")
+def characterise(
+    log: Path,
+    rate: float | None,
+    columns: str | None,
+    units: str | None,
+    topic: str | None,
+    start: float | None,
+    end: float | None,
+    fit_range: tuple[float, float] | None,
+    non_overlapping: bool,
+    confidence: str,
+    noise_convention: Any,
+    walk_convention: Any,
+    output: Path | None,
+    quiet: bool,
+) -> None:
+    """Characterise a sensor from a static log; write sensor.yaml, tables and figures.
+
+    LOG is a CSV file (plain, .gz, .xz) with units in its header, a folder of EuRoC,
+    TUM-VI or gnss-ins-sim, a ROS bag or MCAP file (extra mcsim[bags]), or ready
+    parameters: Kalibr's imu.yaml or a result of imu_utils.
+
+    Noise: N is Allan's (two-sided); a data sheet's one-sided density is √2 N.
+    """
+    from mcsim.logs.parameters import ENDINGS
+
+    folder = output or Path("output") / _stem(log)
+    if log.suffix.lower() in ENDINGS:
+        from mcsim.logs.parameters import read_parameters
+
+        found = read_parameters(log, rate, noise_convention, walk_convention)
+        file = _write_parameters(found, log, folder)
+        if not quiet:
+            click.echo("\n".join([*found.notes, str(file)]))
+        return
+
+    from mcsim.characterisation.analysis import characterise as analyse
+    from mcsim.cli.progress import announce_compilation
+    from mcsim.logs import ReadOptions, read_log
+
+    settings = _settings(fit_range, non_overlapping, confidence)
+    if not quiet:
+        announce_compilation()
+    step = _silent if quiet else _say
+    step(f"reading {log}")
+    read = read_log(log, ReadOptions(rate, columns, units, topic, start, end))
+    result = analyse(read, settings, step)
+    step("drawing")
+    files = _write(result, folder)
+    if not quiet:
+        click.echo(_summary(result))
+        click.echo(", ".join(map(str, files)))
+
+
+def _settings(
+    fit_range: tuple[float, float] | None, non_overlapping: bool, confidence: str
+) -> Settings:
+    from scipy.special import ndtr
+
+    from mcsim.characterisation.analysis import Settings
+    from mcsim.units import parse_confidence
+
+    if fit_range is not None and not 0.0 < fit_range[0] < fit_range[1]:
+        raise InputError(
+            f"--fit-range {fit_range[0]:g} {fit_range[1]:g}: two ascending times in s are needed"
+        )
+    return Settings(
+        estimator="non-overlapping" if non_overlapping else "overlapping",
+        fit_range=fit_range,
+        confidence=float(2.0 * ndtr(parse_confidence(confidence)) - 1.0),
+    )
+
+
+def _write_parameters(found: Parameters, log: Path, folder: Path) -> Path:
+    from mcsim.characterisation.sensor_file import parameter_file
+
+    return _write_texts(folder, {"sensor.yaml": parameter_file(found, log.name)})[0]
+
+
+def _write(result: Characterisation, folder: Path) -> list[Path]:
+    """Everything is made before anything is written."""
+    from mcsim.characterisation.sensor_file import sensor_file
+    from mcsim.characterisation.tables import allan_table, psd_table
+    from mcsim.figures.allan import draw_allan, draw_psd
+    from mcsim.figures.style import write_figure
+
+    texts = {
+        "sensor.yaml": sensor_file(result),
+        "allan.csv": allan_table(result).to_csv(index=False, lineterminator="\n"),
+        "psd.csv": psd_table(result).to_csv(index=False, lineterminator="\n", float_format="%.9g"),
+    }
+    figures = {"allan": draw_allan(result), "psd": draw_psd(result)}
+    files = _write_texts(folder, texts)
+    for name, figure in figures.items():
+        files += write_figure(figure, folder, name)
+    return files
+
+
+def _write_texts(folder: Path, texts: dict[str, str]) -> list[Path]:
+    from mcsim.store import readable_errors, write_whole
+
+    with readable_errors(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        return [
+            write_whole(folder / name, lambda path, text=text: _put(path, text))  # type: ignore[misc]
+            for name, text in texts.items()
+        ]
+
+
+def _put(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
+def _summary(result: Characterisation) -> str:
+    from mcsim.characterisation.sensor_file import KEYS, SAMPLE, written
+    from mcsim.characterisation.verdict import noise_density, number, verdict
+    from mcsim.cli.tables import columns
+
+    rows = [
+        [
+            "channel",
+            "N (two-sided)",
+            "one-sided density",
+            "B",
+            "K",
+            "bias Tc",
+            "bias σ",
+            "Kalman RMSE",
+            "mean RMSE",
+        ]
+    ]
+    for channel in result.channels:
+        element = channel.channel.element
+        kind, unit = SAMPLE[element]
+        n, b, k = (number(channel.fit[term], element, term) for term in KEYS[element])
+        bias = ["–"] * 4
+        if channel.bias is not None:
+            bias = [f"{channel.bias.model.correlation_time:.3g} s"] + [
+                f"{float(written(x, unit, kind).split()[0]):.3g} {unit}"
+                for x in (
+                    channel.bias.model.deviation,
+                    channel.bias.kalman_expected,
+                    channel.bias.mean_expected,
+                )
+            ]
+        rows.append([channel.channel.name, n, noise_density(channel), b, k, *bias])
+    notes = [f"{f.channel}: {f.text}" if f.channel else f.text for f in result.findings]
+    return "\n".join(
+        [
+            *columns(rows),
+            "",
+            *verdict(result),
+            "",
+            *(f"- {note}" for note in notes),
+        ]
+    )
+
+
+def _stem(log: Path) -> str:
+    name = log.resolve().name
+    while Path(name).suffix.lower() in _ENDINGS:
+        name = Path(name).stem
+    return name or "log"
+
+
+def _silent(_: str) -> None:
+    return None
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)

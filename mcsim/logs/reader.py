@@ -1,0 +1,74 @@
+"""From a path to a log, whatever kind of file it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mcsim.errors import InputError
+from mcsim.logs import bags
+from mcsim.logs.checks import check_gravity
+from mcsim.logs.columns import CHANNELS, TIME
+from mcsim.logs.folders import is_bag, read_folder
+from mcsim.logs.model import ACCELEROMETER, Array, Channel, Log, ReadOptions, Timing
+from mcsim.logs.table import Table, read_table
+from mcsim.logs.timing import check_stamps, unstamped
+
+_LOWEST_RATE, _HIGHEST_RATE = 0.05, 100_000.0
+
+
+def read_log(path: Path, options: ReadOptions | None = None) -> Log:
+    """Read a static log: CSV, EuRoC, TUM-VI, gnss-ins-sim, ROS bag or MCAP.
+
+    Raises
+    ------
+    InputError
+        One message that says what is wrong with which file, row or column.
+    """
+    options = options or ReadOptions()
+    if not path.exists():
+        raise InputError(f"{path}: no such file")
+    if options.rate is not None and not _LOWEST_RATE <= options.rate <= _HIGHEST_RATE:
+        raise InputError(
+            f"--rate {options.rate:g} Hz: must lie between {_LOWEST_RATE} Hz and {_HIGHEST_RATE} Hz"
+        )
+    return _log_of(path, _read(path, options), options)
+
+
+def _read(path: Path, options: ReadOptions) -> Table:
+    if path.suffix.lower() in bags.ENDINGS or (path.is_dir() and is_bag(path)):
+        return bags.read_bag(path, options.topic)
+    if path.is_dir():
+        return read_folder(path, options.columns, options.units)
+    return read_table(path, options.columns, options.units)
+
+
+def _log_of(path: Path, table: Table, options: ReadOptions) -> Log:
+    where = str(path)
+    values = dict(table.values)
+    stamps = values.pop(TIME, None)
+    count = len(next(iter(values.values())))
+    if stamps is not None:
+        spacing = check_stamps(stamps, options.rate, where)
+    elif options.rate is not None:
+        spacing = unstamped(options.rate, count)
+    else:
+        raise InputError(f"{path}: has no time stamps; give the sampling rate, --rate 100")
+    channels = []
+    for name, (element, axis) in CHANNELS.items():
+        if name in values:
+            samples = _cut(spacing.apply(values[name]), spacing.timing, options, where)
+            channels.append(Channel(element, axis, samples))
+    gravity = check_gravity(channels, *table.units.get(ACCELEROMETER, ("m/s²", 1.0)), where)
+    notes = [*spacing.timing.notes, *([gravity] if gravity else [])]
+    return Log(path, tuple(channels), spacing.timing, tuple(notes), table.notes)
+
+
+def _cut(samples: Array, timing: Timing, options: ReadOptions, where: str) -> Array:
+    duration = len(samples) / timing.rate
+    start, end = options.start or 0.0, options.end if options.end is not None else duration
+    if not 0.0 <= start < min(end, duration):
+        raise InputError(
+            f"{where}: --start {start:g} s and --end {end:g} s leave nothing of the "
+            f"{duration:.6g} s that the log lasts"
+        )
+    return samples[round(start * timing.rate) : round(end * timing.rate)]

@@ -1,0 +1,224 @@
+"""Allan variance, its scatter, and the coefficients fitted to it."""
+
+import math
+import warnings
+from itertools import pairwise
+
+import allantools
+import numpy as np
+import pytest
+from scipy import integrate
+
+from mcsim.characterisation.allan import (
+    allan_curve,
+    allan_terms,
+    averaging_factors,
+    covariances,
+    degrees_of_freedom,
+    gauss_markov_variance,
+    intervals,
+)
+from mcsim.characterisation.fit import fit_noise
+from mcsim.errors import InputError
+from tests.reference.noise import THESIS, gauss_markov, in_si, static_noise
+
+RATE = 100.0
+
+
+@pytest.mark.parametrize(
+    ("overlapping", "theirs"), [(True, allantools.oadev), (False, allantools.adev)]
+)
+def test_deviations_are_those_of_allantools(overlapping, theirs):
+    rng = np.random.default_rng(1)
+    samples = 9.81 + static_noise(0.01, 0.003, 0.001, RATE, 50_000, rng)
+    curve = allan_curve(samples, RATE, overlapping=overlapping)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the few clusters at the end
+        tau, deviation, _, _ = theirs(samples, rate=RATE, data_type="freq", taus=curve.tau)
+    known = np.isin(np.round(curve.tau * RATE), np.round(tau * RATE))
+    assert np.count_nonzero(known) > 30
+    np.testing.assert_allclose(curve.deviation[known], deviation, rtol=1e-9)
+
+
+def test_cluster_times_hold_one_second_and_end_at_a_third():
+    for rate in (100.0, 128.0, 3.0):
+        factors = averaging_factors(10_000, rate)
+        assert round(rate) in factors
+        assert np.all(np.diff(factors) > 0)
+        assert 2600 < factors[-1] <= 3333
+
+
+@pytest.mark.parametrize(("term", "alpha"), [(1, 0), (2, -1), (3, -2)])
+def test_degrees_of_freedom_are_greenhalls(term, alpha):
+    """allantools' edf_greenhall; short clusters differ, since flicker and random walk of the
+    rate are taken as continuous here and as sampled there."""
+    curve = allan_curve(np.random.default_rng(0).standard_normal(1 << 18), 1.0)
+    squares = np.zeros(4)
+    squares[term] = 1.0
+    ours = degrees_of_freedom(curve, squares)
+    if term == 1:
+        # Clusters of one sample: differences of white noise, correlated by -1/2 with the next.
+        assert ours[0] == pytest.approx((1 << 18) / 1.5, rel=1e-4)
+    for index in (20, 26, 32, 40):
+        theirs = allantools.edf_greenhall(
+            alpha=alpha, d=2, m=int(curve.factors[index]), N=(1 << 18) + 1, overlapping=True
+        )
+        assert ours[index] == pytest.approx(theirs, rel=0.03)
+
+
+def test_covariance_of_estimates_is_what_simulation_gives():
+    """A mix of noises; 400 logs give each correlation to about 1/√400 = 0.05."""
+    rng = np.random.default_rng(3)
+    n, factors = 4000, np.array([1, 4, 16, 64, 256, 1000])
+    mix = (1.0, 0.2, 0.01)
+    curves = [
+        allan_curve(static_noise(*mix, 1.0, n, rng), 1.0, factors).variance for _ in range(400)
+    ]
+    curve = allan_curve(np.arange(n) % 7.0, 1.0, factors)
+    expected = covariances(curve).of(np.array([0.0, 1.0, 0.04, 1e-4]))
+    measured = np.cov(np.array(curves).T)
+    deviation = np.sqrt(np.diagonal(expected))
+    # A deviation of so skewed values is known to 12 % at most times three.
+    np.testing.assert_allclose(np.sqrt(np.diagonal(measured)), deviation, rtol=0.25)
+    np.testing.assert_allclose(
+        np.corrcoef(np.array(curves).T), expected / np.outer(deviation, deviation), atol=0.16
+    )
+    # Control: points taken as independent would miss the correlation of neighbours.
+    assert np.corrcoef(np.array(curves).T)[4, 5] > 0.3
+
+
+@pytest.mark.parametrize("overlapping", [True, False])
+def test_chi_square_intervals_cover(overlapping):
+    rng = np.random.default_rng(5)
+    factors = np.array([1, 10, 100, 400])
+    hits = np.zeros(4)
+    for _ in range(400):
+        curve = allan_curve(rng.standard_normal(2000), 1.0, factors, overlapping)
+        degrees = degrees_of_freedom(curve, np.array([0.0, 1.0, 0.0, 0.0]))
+        low, high = intervals(curve, degrees, 0.9)
+        truth = 1.0 / np.sqrt(curve.tau)
+        hits += (low < truth) & (truth < high)
+    # Four standard errors of a share of 0.9 in 400; without overlap they are wider than needed.
+    assert np.all(hits / 400 > 0.9 - 4 * math.sqrt(0.09 / 400))
+    if overlapping:
+        assert np.all(hits / 400 < 0.9 + 4 * math.sqrt(0.09 / 400))
+
+
+def two_sided_allan(density, tau):
+    """Eq. (3.12) by numerical integration: 4 ∫ S(f) sin⁴(πfτ) / (πfτ)² df."""
+
+    def integrand(logarithm):
+        f = math.exp(logarithm)
+        return f * 4.0 * density(f) * math.sin(math.pi * f * tau) ** 4 / (math.pi * f * tau) ** 2
+
+    low, high = math.log(1e-7 / tau), math.log(40.0 / tau)
+    edges = np.linspace(low, high, 400)
+    return sum(integrate.quad(integrand, a, b)[0] for a, b in pairwise(edges))
+
+
+@pytest.mark.parametrize("tau", [0.5, 3.0, 40.0])
+def test_terms_follow_from_their_densities(tau):
+    """Eq. (3.12) with the table's densities; the tail beyond 40/τ holds under 1 % of white."""
+    omega = 2.0 * math.pi
+    white, flicker, walk = allan_terms(np.array([tau]))[0, 1:4]
+    assert two_sided_allan(lambda _: 1.0, tau) == pytest.approx(white, rel=0.01)
+    assert two_sided_allan(lambda f: 1.0 / (omega * f), tau) == pytest.approx(flicker, rel=1e-3)
+    assert two_sided_allan(lambda f: (omega * f) ** -2, tau) == pytest.approx(walk, rel=1e-3)
+    process = gauss_markov_variance(np.array([tau]), 5.0)[0]
+    density = lambda f: 25.0 / (1.0 + (omega * f * 5.0) ** 2)  # noqa: E731
+    assert two_sided_allan(density, tau) == pytest.approx(process, rel=2e-3)
+
+
+def test_gauss_markov_peaks_where_the_table_says():
+    tau = np.geomspace(0.1, 100.0, 20_001)
+    deviation = np.sqrt(gauss_markov_variance(tau, 5.0))
+    peak = np.argmax(deviation)
+    assert tau[peak] / 5.0 == pytest.approx(1.89, rel=0.003)
+    assert deviation[peak] / math.sqrt(5.0) == pytest.approx(0.437, rel=0.002)
+    # Short clusters, where the formula cancels: a random walk of strength 1.
+    short = np.array([1e-4])
+    assert gauss_markov_variance(short, 5.0)[0] == pytest.approx(1e-4 / 3.0, rel=1e-3)
+
+
+def test_a_day_at_100_hz_gives_back_its_coefficients():
+    """14 h of the LSM9DS1's x axis: N within 1 %, B within 10 %, K inside of its interval."""
+    truth = in_si(THESIS["LSM9DS1"][0])
+    samples = static_noise(*truth, RATE, 14 * 3600 * 100, np.random.default_rng(7))
+    fit = fit_noise(allan_curve(samples, RATE))
+    assert fit["N"].value == pytest.approx(truth[0], rel=0.01)
+    assert fit["B"].value == pytest.approx(truth[1], rel=0.1)
+    assert fit["K"].low < truth[2] < fit["K"].high
+    for term, value in zip("NB", truth[:2], strict=True):
+        assert fit[term].low < value < fit[term].high
+    # Control: the one-sided density is another number.
+    assert math.sqrt(2.0) * fit["N"].value != pytest.approx(truth[0], rel=0.1)
+
+
+@pytest.mark.parametrize(("sensor", "axis"), [("BNO055", 1), ("Xsens", 2)])
+def test_intervals_of_the_coefficients_cover(sensor, axis):
+    """Logs of 14 h, sampled slowly since only long clusters scatter; 95 % intervals."""
+    truth = in_si(THESIS[sensor][axis])
+    rng = np.random.default_rng(11)
+    trials, hits, narrow = 120, np.zeros(3), np.zeros(3)
+    for _ in range(trials):
+        fit = fit_noise(allan_curve(static_noise(*truth, 1.0, 50_400, rng), 1.0), (8.0, 1e9))
+        for i, term in enumerate("NBK"):
+            c = fit[term]
+            hits[i] += c.low < truth[i] < c.high
+            half = [c.value + (end - c.value) / 3.0 for end in (c.low, c.high)]
+            narrow[i] += half[0] < truth[i] < half[1]
+    assert np.all(hits / trials > 0.95 - 3.5 * math.sqrt(0.95 * 0.05 / trials))
+    # Control: intervals a third as wide do not.
+    assert np.all(narrow / trials < 0.8)
+
+
+def test_further_terms_enter_only_where_they_are():
+    rng = np.random.default_rng(13)
+    n = 100_000
+    white = static_noise(0.01, 0.0, 0.0, 10.0, n, rng)
+    assert set(fit_noise(allan_curve(white, 10.0)).coefficients) == {"N", "B", "K"}
+    ramp = fit_noise(allan_curve(white + 1e-6 * np.arange(n), 10.0))
+    assert ramp["R"].low < 1e-5 < ramp["R"].high
+    # Q: a rate that is the difference of a phase with white errors of deviation Q.
+    phase = 0.02 * rng.standard_normal(n + 1)
+    quantised = fit_noise(allan_curve(white + 10.0 * np.diff(phase), 10.0))
+    assert quantised["Q"].value == pytest.approx(0.02, rel=0.02)
+
+
+def test_a_gauss_markov_bias_is_recognised():
+    rng = np.random.default_rng(17)
+    samples = gauss_markov(60.0, 0.002, 10.0, 300_000, rng)
+    samples += static_noise(0.001, 0.0, 0.0, 10.0, 300_000, rng)
+    fit = fit_noise(allan_curve(samples, 10.0))
+    found = fit.gauss_markov
+    assert fit.prefers_gauss_markov
+    assert found.white == pytest.approx(0.001, rel=0.02)
+    # 500 correlation times: the deviation is known to about √(1/500) = 4 %.
+    assert found.model.correlation_time == pytest.approx(60.0, rel=0.3)
+    assert found.model.deviation == pytest.approx(0.002, rel=0.15)
+
+
+def test_flicker_is_not_taken_for_a_gauss_markov_bias():
+    rng = np.random.default_rng(19)
+    fit = fit_noise(allan_curve(static_noise(0.001, 0.001, 1e-5, 10.0, 300_000, rng), 10.0))
+    assert not fit.prefers_gauss_markov
+
+
+def test_a_low_pass_filter_shifts_the_fit_and_not_its_result():
+    """Ten-sample averages of white noise logged at full rate: short clusters know too little."""
+    rng = np.random.default_rng(23)
+    samples = np.convolve(rng.standard_normal(400_009), np.full(10, 0.1), "valid")
+    fit = fit_noise(allan_curve(samples, 1.0))
+    assert fit.tau_from >= 10.0
+    assert fit["N"].value == pytest.approx(1.0, rel=0.03)
+    # Control: with the short clusters the same fit fails.
+    assert fit_noise(allan_curve(samples, 1.0), (1.0, 1e9))["N"].value != pytest.approx(1, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("samples", "factors", "message"),
+    [(np.zeros(10), None, "at least 16"), (np.zeros(100), np.array([51]), "1 to 50")],
+)
+def test_impossible_requests_are_refused(samples, factors, message):
+    with pytest.raises(InputError, match=message):
+        allan_curve(samples, 1.0, factors)

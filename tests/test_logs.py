@@ -1,0 +1,329 @@
+"""Logs of every kind, and what is wrong with them."""
+
+import gzip
+import lzma
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mcsim.errors import InputError
+from mcsim.logs import ReadOptions, read_log
+from mcsim.logs.parameters import read_parameters
+from mcsim.units import STANDARD_GRAVITY
+
+RATE, ROWS = 100.0, 400
+RNG = np.random.default_rng(1)
+TIME = np.arange(ROWS) / RATE
+ACCEL = np.column_stack([*(0.01 * RNG.standard_normal((2, ROWS))), 9.8 + np.zeros(ROWS)])
+GYRO = 0.001 * RNG.standard_normal((ROWS, 3))
+TITLES = ["time (s)", *(f"accel_{a} [m/s^2]" for a in "xyz"), *(f"gyro_{a} (rad/s)" for a in "xyz")]
+
+
+def write(path: Path, columns, titles=None, delimiter=","):
+    rows = [delimiter.join(titles)] if titles else []
+    rows += [delimiter.join(f"{float(x)!r}" for x in row) for row in np.column_stack(columns)]
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return path
+
+
+def check(log, accel=ACCEL, gyro=GYRO):
+    assert log.rate == pytest.approx(RATE, rel=1e-9)
+    found = {channel.name: channel.samples for channel in log.channels}
+    for k, axis in enumerate("xyz"):
+        if accel is not None:
+            np.testing.assert_allclose(found[f"accel_{axis}"], accel[:, k], rtol=1e-12)
+        if gyro is not None:
+            np.testing.assert_allclose(found[f"gyro_{axis}"], gyro[:, k], rtol=1e-12)
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+def test_csv_with_units_in_its_header(tmp_path, delimiter):
+    check(read_log(write(tmp_path / "log.csv", [TIME, ACCEL, GYRO], TITLES, delimiter)))
+
+
+def test_units_of_the_header_are_converted(tmp_path):
+    titles = ["t [ms]", *(f"a{x} (g)" for x in "xyz"), *(f"w{x} (deg/s)" for x in "xyz")]
+    columns = [TIME * 1e3, ACCEL / STANDARD_GRAVITY, np.rad2deg(GYRO)]
+    check(read_log(write(tmp_path / "log.csv", columns, titles)))
+
+
+@pytest.mark.parametrize("units", ["s,g,g,g,°/s,°/s,°/s", "accelerometer=g,gyro=deg/s,time=s"])
+def test_files_without_a_header_take_everything_from_options(tmp_path, units):
+    path = write(tmp_path / "log.csv", [TIME, ACCEL / STANDARD_GRAVITY, np.rad2deg(GYRO)])
+    columns = "time,accel_x,accel_y,accel_z,gyro_x,gyro_y,gyro_z"
+    check(read_log(path, ReadOptions(columns=columns, units=units)))
+
+
+def test_files_without_time_take_the_rate(tmp_path):
+    path = write(tmp_path / "log.txt", [GYRO[:, 0], ACCEL[:, 1], GYRO[:, 2]], delimiter=" ")
+    options = ReadOptions(rate=RATE, columns="gyro_x,-,gyro_z", units="gyroscope=rad/s")
+    log = read_log(path, options)
+    assert [channel.name for channel in log.channels] == ["gyro_x", "gyro_z"]
+    np.testing.assert_allclose(log.channels[1].samples, GYRO[:, 2])
+    assert not log.timing.stamped
+
+
+def test_a_single_column_is_enough(tmp_path):
+    path = write(tmp_path / "one.csv", [GYRO[:, 0]])
+    log = read_log(path, ReadOptions(rate=RATE, columns="gyro_z", units="rad/s"))
+    assert [channel.name for channel in log.channels] == ["gyro_z"]
+
+
+def test_columns_are_named_by_their_titles(tmp_path):
+    path = write(tmp_path / "log.csv", [TIME, GYRO], ["clock", "p", "q", "r"])
+    options = ReadOptions(columns="time=clock,gyro_z=r", units="time=s,gyroscope=rad/s")
+    log = read_log(path, options)
+    np.testing.assert_allclose(log.channels[0].samples, GYRO[:, 2])
+
+
+@pytest.mark.parametrize(("ending", "opener"), [(".gz", gzip.open), (".xz", lzma.open)])
+def test_compressed_files_are_read_directly(tmp_path, ending, opener):
+    plain = write(tmp_path / "log.csv", [TIME, ACCEL, GYRO], TITLES)
+    packed = tmp_path / f"log.csv{ending}"
+    with opener(packed, "wb") as file:
+        file.write(plain.read_bytes())
+    check(read_log(packed))
+
+
+@pytest.mark.parametrize("folder", ["imu0", "mav0/imu0"])
+def test_euroc_folders(tmp_path, folder):
+    """Nanoseconds since 1970 do not fit into a float; the intervals must survive."""
+    (tmp_path / folder).mkdir(parents=True)
+    titles = ["#timestamp [ns]", *(f"w_RS_S_{a} [rad s^-1]" for a in "xyz")]
+    titles += [f"a_RS_S_{a} [m s^-2]" for a in "xyz"]
+    stamps = 1_403_636_579_758_555_392 + np.arange(ROWS, dtype=np.int64) * 10_000_000
+    rows = [",".join(titles)]
+    for stamp, w, a in zip(stamps, GYRO, ACCEL, strict=True):
+        rows.append(",".join([str(stamp), *(repr(float(x)) for x in (*w, *a))]))
+    (tmp_path / folder / "data.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    log = read_log(tmp_path)
+    check(log)
+    assert log.timing.jitter < 1e-6
+
+
+def test_gnss_ins_sim_folders(tmp_path):
+    write(tmp_path / "accel-0.csv", [ACCEL], [f"accel_{a} (m/s^2)" for a in "xyz"])
+    write(tmp_path / "gyro-0.csv", [np.rad2deg(GYRO)], [f"gyro_{a} (deg/s)" for a in "xyz"])
+    with pytest.raises(InputError, match="no time stamps"):
+        read_log(tmp_path)
+    write(tmp_path / "time.csv", [TIME], ["time (sec)"])
+    check(read_log(tmp_path))
+
+
+@pytest.mark.parametrize("kind", ["ros1", "ros2", "mcap"])
+def test_bags(tmp_path, kind):
+    path = make_bag(tmp_path, kind, ["/imu"])
+    check(read_log(path))
+
+
+def test_a_bag_of_two_imus_asks_for_a_topic(tmp_path):
+    path = make_bag(tmp_path, "ros2", ["/front/imu", "/rear/imu"])
+    with pytest.raises(InputError, match="--topic /front/imu"):
+        read_log(path)
+    check(read_log(path, ReadOptions(topic="/rear/imu")))
+    with pytest.raises(InputError, match='no IMU under "/imu"'):
+        read_log(path, ReadOptions(topic="/imu"))
+
+
+def test_bags_without_rosbags_name_the_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    (tmp_path / "log.bag").write_bytes(b"")
+    with pytest.raises(InputError, match=r"pip install 'mcsim\[bags\]'"):
+        read_log(tmp_path / "log.bag")
+
+
+def make_bag(folder, kind, topics):
+    rosbags = pytest.importorskip("rosbags")
+    assert rosbags
+    from rosbags.rosbag1 import Writer as Writer1
+    from rosbags.rosbag2 import StoragePlugin
+    from rosbags.rosbag2 import Writer as Writer2
+    from rosbags.typesys import Stores, get_typestore
+
+    first = kind == "ros1"
+    store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
+    path = folder / ("log.bag" if first else "log")
+    plugin = StoragePlugin.MCAP if kind == "mcap" else StoragePlugin.SQLITE3
+    writer = Writer1(path) if first else Writer2(path, version=9, storage_plugin=plugin)
+    types = store.types
+    name = "sensor_msgs/msg/Imu"
+    vector, header = types["geometry_msgs/msg/Vector3"], types["std_msgs/msg/Header"]
+    stamp, turn = types["builtin_interfaces/msg/Time"], types["geometry_msgs/msg/Quaternion"]
+    nothing = np.zeros(9)
+    with writer as bag:
+        for topic in topics:
+            connection = bag.add_connection(topic, name, typestore=store)
+            for k in range(ROWS):
+                ns = 10_000_000 * k
+                at = stamp(sec=ns // 10**9, nanosec=ns % 10**9)
+                head = {"stamp": at, "frame_id": "imu"} | ({"seq": k} if first else {})
+                message = types[name](
+                    header(**head), turn(0.0, 0.0, 0.0, 1.0), nothing, vector(*map(float, GYRO[k])),
+                    nothing, vector(*map(float, ACCEL[k])), nothing,
+                )  # fmt: skip
+                write_one = store.serialize_ros1 if first else store.serialize_cdr
+                bag.write(connection, ns, write_one(message, name))
+    return next(path.glob("*.mcap")) if kind == "mcap" else path
+
+
+def test_gaps_duplicates_and_jitter_are_told(tmp_path):
+    rng = np.random.default_rng(2)
+    n = 5000
+    time = np.arange(n) / RATE + 0.0015 * rng.standard_normal(n).clip(-2, 2)
+    ramp = np.arange(n) / n
+    keep = np.ones(n, bool)
+    keep[2000:2003] = False
+    time, ramp = np.insert(time[keep], 100, time[99]), np.insert(ramp[keep], 100, ramp[99])
+    log = read_log(write(tmp_path / "log.csv", [time, ramp], ["t [s]", "gx [rad/s]"]))
+    assert (log.timing.duplicates, log.timing.missing) == (1, 3)
+    assert log.timing.jitter == pytest.approx(0.0015 * np.sqrt(2) * RATE, rel=0.15)
+    # What is missing is bridged: the ramp goes on.
+    np.testing.assert_allclose(log.channels[0].samples, np.arange(n) / n, atol=1e-9)
+    assert any("bridged" in note for note in log.notes)
+
+
+def test_a_long_gap_leaves_the_longer_part(tmp_path):
+    time = np.concatenate([np.arange(100) / RATE, 50 + np.arange(300) / RATE])
+    log = read_log(write(tmp_path / "log.csv", [time, GYRO[:, 0]], ["t [s]", "gx [rad/s]"]))
+    np.testing.assert_allclose(log.channels[0].samples, GYRO[100:, 0])
+    assert any("longest stretch" in note for note in log.notes)
+
+
+def test_start_and_end_cut(tmp_path):
+    path = write(tmp_path / "log.csv", [TIME, ACCEL, GYRO], TITLES)
+    log = read_log(path, ReadOptions(start=1.0, end=3.0))
+    np.testing.assert_allclose(log.channels[0].samples, ACCEL[100:300, 0])
+    with pytest.raises(InputError, match="leave nothing"):
+        read_log(path, ReadOptions(start=5.0))
+
+
+def replaced(values, row, text):
+    rows = [[repr(float(x)) for x in line] for line in values]
+    rows[row][1] = text
+    return "\n".join(["t [s],gx [rad/s]", *(",".join(r) for r in rows)])
+
+
+@pytest.mark.parametrize(
+    ("content", "options", "message"),
+    [
+        ("", {}, "is empty"),
+        ("t [s],gx [rad/s]\n", {}, "header and no samples"),
+        ("a,b\n1,2\n3,4", {}, "no accelerometer or gyroscope column"),
+        ("1,2\n3,4\n", {}, "has no header"),
+        ("t [s],gx\n0,1\n1,2\n", {}, r'"gx" \(gyro_x\) has no unit'),
+        ("t [s],gx [furlong]\n0,1\n1,2\n", {}, 'unknown unit "furlong"'),
+        ("t [s],gx [m/s^2]\n0,1\n1,2\n", {}, "is an acceleration"),
+        ("t [s],gx [rad/s],wx [rad/s]\n0,1,1\n1,2,2\n", {}, "two columns are gyro_x"),
+        ("gx [rad/s],gy [rad/s]\n0,1\n1,2\n", {}, "no time stamps; give the sampling rate"),
+        (replaced(np.column_stack([TIME, TIME]), 7, "oops"), {}, r':9: column "gx.*holds "oops"'),
+        (replaced(np.column_stack([TIME, TIME]), 7, "nan"), {}, ":9: column .* nothing"),
+        (replaced(np.column_stack([TIME, TIME]), 7, ""), {}, ":9: column .* nothing"),
+        (replaced(np.column_stack([TIME[::-1], TIME]), 0, "0"), {}, "runs backwards"),
+        (replaced(np.column_stack([TIME, TIME]), 0, "0"), {"rate": 50.0}, "time stamps say 100 Hz"),
+        (replaced(np.column_stack([TIME * 1e9, TIME]), 0, "0"), {}, "is their unit right"),
+        (replaced(np.column_stack([TIME // 0.05, TIME]), 0, "0"), {}, "too coarse"),
+        ("gx [rad/s],gy [rad/s]\n0,1\n1,2\n", {"rate": -1.0}, "--rate -1 Hz"),
+        ("1,2\n3,4\n", {"rate": 1.0, "columns": "gyro_x"}, "has 2 columns, --columns names 1"),
+        ("1,2\n3,4\n", {"rate": 1.0, "columns": "gyro_x,foo"}, '"foo" is none of'),
+        ("1,2\n3,4\n", {"columns": "gyro_x,-", "units": "s"}, "--units holds 1"),
+        ("1,2\n3,4\n", {"columns": "gyro_x,-", "units": "foo=s"}, '"foo" is none of'),
+    ],
+)  # fmt: skip
+def test_bad_files_end_in_one_message(tmp_path, content, options, message):
+    path = tmp_path / "log.csv"
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(InputError, match=message) as error:
+        read_log(path, ReadOptions(**options))
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit", "message"),
+    [
+        (1 / STANDARD_GRAVITY, "m/s^2", "gravity in g; state it by --units accelerometer=g"),
+        (1e3 / STANDARD_GRAVITY, "m/s^2", "gravity in mg"),
+        (1.0, "g", "gravity in m/s²"),
+        (1e3, "m/s^2", "gravity in mm/s²"),
+    ],
+)
+def test_a_header_that_lies_about_gravity(tmp_path, scale, unit, message):
+    titles = ["time (s)", *(f"accel_{a} [{unit}]" for a in "xyz")]
+    path = write(tmp_path / "log.csv", [TIME, ACCEL * scale], titles)
+    with pytest.raises(InputError, match=message):
+        read_log(path)
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        read_log(tmp_path / "none.csv")
+    with pytest.raises(InputError, match="holds no log that is known"):
+        read_log(tmp_path)
+    for name, content in (("a.csv.xz", b"no xz"), ("a.csv.gz", b"no gz"), ("a.csv", b"\xff\xfe1")):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(InputError, match=r"cannot be read|UTF-8"):
+            read_log(tmp_path / name)
+    (tmp_path / "a.bag").write_bytes(b"no bag")
+    with pytest.raises(InputError, match="not a bag"):
+        read_log(tmp_path / "a.bag")
+
+
+KALIBR = """\
+rostopic: /imu0
+update_rate: 200.0
+accelerometer_noise_density: 1.86e-03
+accelerometer_random_walk: 4.33e-04
+gyroscope_noise_density: 1.87e-04
+gyroscope_random_walk: 2.66e-05
+"""
+IMU_UTILS = """\
+%YAML:1.0
+---
+type: IMU
+Gyr:
+   unit: " rad/s"
+   avg-axis: {gyr_n: 1.5e-04, gyr_w: 5.8e-05}
+   x-axis: {gyr_n: 1.4e-04, gyr_w: 5.0e-05}
+   z-axis: {gyr_n: 1.6e-04, gyr_w: 6.6e-05}
+"""
+
+
+def test_kalibr_parameters(tmp_path):
+    path = tmp_path / "imu.yaml"
+    for text in (KALIBR, "imu0:\n" + "".join(f"  {line}\n" for line in KALIBR.splitlines())):
+        path.write_text(text, encoding="utf-8")
+        found = read_parameters(path)
+        assert found.values["accelerometer"][""] == {"N": 1.86e-3, "K": 4.33e-4}
+        assert found.values["gyroscope"][""] == {"N": 1.87e-4, "K": 2.66e-5}
+        assert found.rate == 200.0
+
+
+def test_imu_utils_parameters_are_not_guessed(tmp_path):
+    path = tmp_path / "imu_param.yaml"
+    path.write_text(IMU_UTILS, encoding="utf-8")
+    with pytest.raises(InputError, match=r"--noise-convention.*and --walk-convention"):
+        read_parameters(path)
+    with pytest.raises(InputError, match="needs the sampling rate"):
+        read_parameters(path, None, "discrete", "ignore")
+    found = read_parameters(path, None, "continuous", "allan-minimum").values["gyroscope"]
+    assert found["x"]["N"] == 1.4e-4
+    assert found["x"]["B"] == pytest.approx(5.0e-5 / np.sqrt(2 * np.log(2) / np.pi), rel=1e-3)
+    found = read_parameters(path, 400.0, "discrete", "random-walk").values["gyroscope"]
+    assert found[""] == {"N": 1.5e-4 / 20.0, "K": 5.8e-5}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "is empty"),
+        ("a: 1\nb: 2\n", "neither Kalibr"),
+        ("a: [", "not YAML"),
+        (KALIBR.replace("1.86e-03", "much"), "a positive number is needed"),
+    ],
+)
+def test_bad_parameter_files(tmp_path, text, message):
+    path = tmp_path / "imu.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        read_parameters(path)
