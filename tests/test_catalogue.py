@@ -127,9 +127,9 @@ def test_measured_densities_are_deviations_over_the_root_of_a_bandwidth(name, ba
         record(name, "thesis-table-5.2", "measured").quantities["noise_density"],
         "acceleration noise density",
     )
-    for deviation, density in zip(deviations, densities, strict=True):
+    for deviation, printed in zip(deviations, densities, strict=True):
         # Deviations are printed with three or four digits.
-        assert deviation / math.sqrt(bandwidth) == pytest.approx(density, rel=1e-2)
+        assert deviation / math.sqrt(bandwidth) == pytest.approx(printed, rel=1e-2)
 
 
 @pytest.mark.parametrize(

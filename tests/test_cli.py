@@ -112,7 +112,7 @@ def test_failing_points_exit_with_3(scenario_file, tmp_path, capsys, monkeypatch
     real = sweep_module.problem_of
 
     def sometimes(model, folder):
-        if model.sensors.accelerometer.density == 1e-2:
+        if model.sensors.accelerometer.noise_density == (1e-2,):
             raise MemoryError("no room")
         return real(model, folder)
 
