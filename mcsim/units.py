@@ -70,6 +70,12 @@ _RATE = {
     "mrad/s": 1e-3,
     "m°/s": _DEG * 1e-3,
 }
+_GRADIENT = {
+    "°/(m/s²)": _DEG,
+    "°/g": _DEG / STANDARD_GRAVITY,
+    "rad/(m/s²)": 1.0,
+    "mrad/(m/s²)": 1e-3,
+}
 _ROOT_HERTZ = {"√Hz": 1.0}
 _ROOT_TIME = {"√s": 1.0, "√h": 60.0}
 
@@ -109,6 +115,7 @@ _KINDS = (
         {**_per({"°": _DEG, "rad": 1.0}, _ROOT_TIME), **_per(_RATE, _ROOT_HERTZ)},
         "0.2 °/√h",
     ),
+    Kind("angle gradient", "an", "rad/(m/s²)", _GRADIENT, "0.3 °/(m/s²)"),
     Kind("ratio", "a", "1", {"%": 1e-2, "ppm": 1e-6}, "1 %"),
     Kind("confidence", "a", "σ", {"σ": 1.0, "%": math.nan}, "3 sigma"),
 )

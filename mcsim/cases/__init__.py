@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mcsim.cases.problem import History, Problem
 from mcsim.errors import McsimError
-from mcsim.scenario import CaseScenario, PlanarScenario
+from mcsim.scenario import CaseScenario, PlanarScenario, StrapdownScenario
 
 __all__ = ["History", "Problem", "check_point", "problem_of"]
 
@@ -26,6 +26,13 @@ def problem_of(model: CaseScenario, folder: Path) -> Problem:
         from mcsim.cases.planar import PlanarProblem
 
         return PlanarProblem.from_model(model, folder)
+    if isinstance(model, StrapdownScenario):
+        from mcsim.cases.level import LevelProblem
+        from mcsim.cases.strapdown import StrapdownProblem
+
+        if model.reconstruction.algorithm == "planar":
+            return LevelProblem.from_model(model, folder)
+        return StrapdownProblem.from_model(model, folder)
     raise _unknown(model)
 
 
@@ -42,6 +49,11 @@ def check_point(model: CaseScenario, folder: Path) -> int:
         from mcsim.trajectory import drive_of
 
         return sample_count(drive_of(model.trajectory, folder), model.sensors.rate)
+    if isinstance(model, StrapdownScenario):
+        from mcsim.cases.planar import sample_count
+        from mcsim.trajectory.spatial import spatial_drive
+
+        return sample_count(spatial_drive(model, folder).drive, model.sensors.rate)
     raise _unknown(model)
 
 

@@ -82,7 +82,7 @@ class PlanarProblem:
             interval=1.0 / sensors.rate,
             trapezoidal=model.reconstruction.integration == "trapezoidal",
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
-            missing=_missing(drive),
+            missing=course_missing(drive),
         )
 
     @property
@@ -248,7 +248,8 @@ def _still(truth: Motion) -> float:
     return 1e-9 * float(np.max(truth.speed))
 
 
-def _missing(drive: Drive) -> Mapping[str, str]:
+def course_missing(drive: Drive) -> Mapping[str, str]:
+    """Why the course at the end is undefined, if it is."""
     if drive.manoeuvre.stops:
         return {
             "course": "the vehicle comes to rest within the last interval: its course is undefined"

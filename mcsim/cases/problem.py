@@ -44,8 +44,8 @@ class LinearModel:
 
     ``mean`` and ``second_moment`` are the expectations of the controls and of their
     squares; ``variances`` those of the signed errors by source of disturbance (for the
-    position error: of its two components together).  ``centre`` (2,) and ``plane``
-    (2, 2) are mean and covariance of the plane position error.
+    position error: of its components together).  ``centre`` (d,) and ``plane`` (d, d) are
+    mean and covariance of the position error in a plane (d = 2) or in space (d = 3).
     """
 
     mean: Array

@@ -560,7 +560,7 @@ def simulate(
     with_linear = linear.shape[1] > 0
     little = largest_turn <= LITTLE_ROTATION
     exact = largest_turn > LARGEST_ROTATION
-    one_sample = method == RECTANGULAR or method == FORWARD_EULER  # noqa: PLR1714
+    one_sample = method in (RECTANGULAR, FORWARD_EULER)
     coning = 1 / 12 if method == TWO_SAMPLE else 0.0
     if one_sample:
         previous_share = 0.0

@@ -5,6 +5,7 @@ from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.error_names import UNITS, ErrorName, ErrorRow
 from mcsim.scenario.planar import PlanarScenario
 from mcsim.scenario.scenario import Point, Scenario
+from mcsim.scenario.strapdown import StrapdownScenario
 
 __all__ = [
     "UNITS",
@@ -15,5 +16,6 @@ __all__ = [
     "PlanarScenario",
     "Point",
     "Scenario",
+    "StrapdownScenario",
     "Value",
 ]

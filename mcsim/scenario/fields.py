@@ -73,6 +73,7 @@ AccelerationNoiseDensity = Annotated[float, Quantity("acceleration noise density
 RateNoiseDensity = Annotated[float, Quantity("angular rate noise density")]
 VelocityRandomWalk = Annotated[float, Quantity("velocity random walk")]
 AngleRandomWalk = Annotated[float, Quantity("angle random walk")]
+AngleGradient = Annotated[float, Quantity("angle gradient")]
 Ratio = Annotated[float, Quantity("ratio")]
 Confidence = Annotated[float, Quantity("confidence")]
 

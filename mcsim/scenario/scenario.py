@@ -23,10 +23,14 @@ from mcsim.scenario.document import (
 )
 from mcsim.scenario.paths import scalars, split_path, suggest
 from mcsim.scenario.planar import PlanarScenario
+from mcsim.scenario.strapdown import StrapdownScenario
 from mcsim.scenario.validation import validate
 
 #: The cases that a scenario file may name.
-CASES: dict[str, type[CaseScenario]] = {"planar": PlanarScenario}
+CASES: dict[str, type[CaseScenario]] = {
+    "planar": PlanarScenario,
+    "strapdown": StrapdownScenario,
+}
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ def _one_noise(block: Block, names: tuple[str, str], example: str) -> None:
 
 
 class Accelerometer(Block):
-    """Both accelerometer axes (forward and left)."""
+    """All accelerometer axes of the case."""
 
     model: str | None = None
     """Name of a built-in sensor (`mcsim sensors`); its values hold unless written here."""
@@ -83,7 +83,7 @@ class Accelerometer(Block):
 
 
 class Gyroscope(Block):
-    """The gyroscope about the vertical axis."""
+    """All gyroscopes of the case."""
 
     model: str | None = None
     """Name of a built-in sensor (`mcsim sensors`); its values hold unless written here."""
@@ -108,7 +108,7 @@ class Gyroscope(Block):
 
 
 class Sensors(Block):
-    """The measured channels: forward and left acceleration, yaw rate."""
+    """The measured channels: those of acceleration, and those of angular rate."""
 
     rate: Annotated[Frequency, Positive, Ge(0.1), Le(100_000.0)]
     """Output rate of the sensors."""
