@@ -272,8 +272,8 @@ def constant_deviations(model: StrapdownScenario) -> Array:
     deviations[kernel.DIRECTION] = initial.direction_error
     deviations[kernel.HEADING] = initial.heading_error
     deviations[kernel.COURSE] = initial.course_error
-    deviations[kernel.ROLL] = initial.roll_error
-    deviations[kernel.PITCH] = initial.pitch_error
+    deviations[kernel.ROLL] = math.hypot(initial.tilt_error, initial.roll_error)
+    deviations[kernel.PITCH] = math.hypot(initial.tilt_error, initial.pitch_error)
     if initial.levelling is not None:
         averaged = max(1, round(initial.levelling.duration * sensors.rate))
         deviations[kernel.REST : kernel.REST + 3] = white[[0, 1, 3]] / math.sqrt(averaged)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcsim.cli.table import table
 from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
 from mcsim.version import __version__
 
@@ -91,6 +92,9 @@ def commands() -> None:
     A scenario (YAML) describes a track, sensors and a sweep; mcsim reconstructs
     thousands of disturbed drives and reports the errors with their intervals.
     """
+
+
+commands.add_command(table)
 
 
 @commands.command()

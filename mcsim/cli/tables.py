@@ -24,7 +24,7 @@ def summary(results: Results) -> str:
             rows[-1].append(_estimate(row, with_interval=statistic != "method"))
     count = int(table["realizations"].iloc[0])
     behind = f"{count:,} realizations" if count else "linear model, no realizations"
-    return "\n".join([*_columns(rows), behind, "", *_budget_lines(results)])
+    return "\n".join([*columns(rows), behind, "", *_budget_lines(results)])
 
 
 def _budget_lines(results: Results) -> list[str]:
@@ -44,7 +44,7 @@ def _budget_lines(results: Results) -> list[str]:
             for e in errors
         ]
         rows.append([str(source), *cells])
-    return _columns(rows)
+    return columns(rows)
 
 
 def _estimate(row: Any, with_interval: bool) -> str:
@@ -58,13 +58,13 @@ def _estimate(row: Any, with_interval: bool) -> str:
 def sensor_list() -> str:
     """One line per built-in sensor."""
     return "\n".join(
-        _columns(
+        columns(
             [[s.name, ", ".join(s.elements), s.description] for s in catalogue.sensors().values()]
         )
     )
 
 
-def _columns(rows: list[list[str]]) -> list[str]:
+def columns(rows: list[list[str]]) -> list[str]:
     """Lines with the cells of each column padded to the same width."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [

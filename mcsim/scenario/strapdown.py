@@ -96,11 +96,15 @@ class Levelling(Block):
 class StrapdownInitial(Initial):
     """Standard deviations of the errors of the state at the first sample."""
 
+    tilt_error: Annotated[Angle, NotNegative] = 0.0
+    """Of roll and of pitch, independently."""
     roll_error: Annotated[Angle, NotNegative] = 0.0
+    """Of the roll alone."""
     pitch_error: Annotated[Angle, NotNegative] = 0.0
+    """Of the pitch alone."""
     levelling: Levelling | None = None
     """Takes roll and pitch from the accelerometers at rest: their offsets then tilt the
-    attitude; `roll_error` and `pitch_error` come on top."""
+    attitude; the errors above come on top."""
 
 
 class StrapdownScenario(CaseScenario):
