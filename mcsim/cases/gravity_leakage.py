@@ -25,7 +25,7 @@ Quantity = Literal["acceleration", "velocity", "position"]
 #: The note's gravity (m/s^2).
 NOTE_GRAVITY = 9.8
 #: Sampling rate of the simulated vehicle (Hz).
-RATE = 50.0
+RATE = 20.0
 #: Table 1 as printed: acceleration (m/s^2), velocity at 10 s (m/s), position (m) at 10 s,
 #: 1 min, 10 min, 1 h, by the angle in degrees.
 PRINTED: dict[str, tuple[float, ...]] = {
