@@ -76,9 +76,11 @@ from mcsim.kernels.strapdown_steps import (
     advance_euler,
     advance_euler_exactly,
     advance_exactly,
-    advance_little,
+    advance_four,
+    advance_four_little,
     advance_two_samples,
     advance_two_samples_exactly,
+    advance_two_samples_four,
 )
 
 __all__ = [
@@ -215,49 +217,41 @@ def simulate(
         for i in range(1, n + 1, GROUP):
             draw_group(planar_state, planar)
             draw_group(spatial_state, spatial)
-            for k in range(min(GROUP, n + 1 - i)):
-                if with_linear:
+            size = min(GROUP, n + 1 - i)
+            if with_linear:
+                for k in range(size):
                     add_linear(i + k, k, planar, spatial, sensitivity, state)
-                if one_sample and not exact:
-                    if method == FORWARD_EULER:
-                        advance_euler(i + k, k, planar, spatial, signals, white, gravity, state)
-                    elif little:
-                        advance_little(i + k, k, planar, spatial, signals, white, gravity, state)
-                    else:
-                        advance(i + k, k, planar, spatial, signals, white, gravity, state)
-                elif not exact:
-                    advance_two_samples(
-                        i + k,
-                        k,
-                        planar,
-                        spatial,
-                        signals,
-                        white,
-                        gravity,
-                        previous_share,
-                        coning,
-                        state,
+            if size == GROUP and not (exact or record or method == FORWARD_EULER):
+                if method == RECTANGULAR and little:
+                    advance_four_little(i, planar, spatial, signals, white, gravity, state)
+                elif method == RECTANGULAR:
+                    advance_four(i, planar, spatial, signals, white, gravity, state)
+                else:
+                    advance_two_samples_four(
+                        i, planar, spatial, signals, white, gravity, previous_share, coning, state
+                    )
+                continue
+            for k in range(size):
+                noise = planar, spatial
+                if exact and method == RECTANGULAR:
+                    advance_exactly(
+                        i + k, k, *noise, signals, white, gravity, previous_share, coning, state
+                    )
+                elif exact and method == FORWARD_EULER:
+                    advance_euler_exactly(
+                        i + k, k, *noise, signals, white, gravity, previous_share, coning, state
+                    )
+                elif exact:
+                    advance_two_samples_exactly(
+                        i + k, k, *noise, signals, white, gravity, previous_share, coning, state
                     )
                 elif method == RECTANGULAR:
-                    advance_exactly(
-                        i + k, k, planar, spatial, signals, white, gravity, 0.0, 0.0, state
-                    )
+                    advance(i + k, k, planar, spatial, signals, white, gravity, state)
                 elif method == FORWARD_EULER:
-                    advance_euler_exactly(
-                        i + k, k, planar, spatial, signals, white, gravity, 0.0, 0.0, state
-                    )
+                    advance_euler(i + k, k, planar, spatial, signals, white, gravity, state)
                 else:
-                    advance_two_samples_exactly(
-                        i + k,
-                        k,
-                        planar,
-                        spatial,
-                        signals,
-                        white,
-                        gravity,
-                        previous_share,
-                        coning,
-                        state,
+                    advance_two_samples(
+                        i + k, k, *noise, signals, white, gravity, previous_share, coning, state
                     )
                 if record:
                     record_states(state, i + k, start, filled, interval, history)

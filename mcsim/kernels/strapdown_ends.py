@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import LANES
 from mcsim.kernels.rotation import (
@@ -24,7 +26,6 @@ from mcsim.kernels.strapdown_layout import (
     LINEAR_ERRORS,
     LOCKED,
     N_CONSTANTS,
-    OF_ALL_CHANNELS,
     OFFSETS,
     PD,
     PH,
@@ -168,30 +169,34 @@ def start_linear(constants, linear_constants, state):
 
 @scalar
 def add_linear(i, k, planar, spatial, sensitivity, state):
-    """Add sample ``i``'s noise to the linear errors."""
+    """Add sample ``i``'s noise to the linear errors.
+
+    One loop over lanes, written out: each normal is read and converted once.
+    """
     row = 3 * k * LANES
-    for error in range(OF_ALL_CHANNELS):
-        at = CHANNELS * error
-        a0, a1, a2 = sensitivity[i, at], sensitivity[i, at + 1], sensitivity[i, at + 2]
-        a3, a4, a5 = sensitivity[i, at + 3], sensitivity[i, at + 4], sensitivity[i, at + 5]
-        to = LINEAR + error * LANES
-        for j in range(LANES):
-            total = a0 * planar[row + j]
-            total = total + a1 * planar[row + LANES + j]
-            total = total + a2 * planar[row + 2 * LANES + j]
-            total = total + a3 * spatial[row + j]
-            total = total + a4 * spatial[row + LANES + j]
-            total = total + a5 * spatial[row + 2 * LANES + j]
-            state[to + j] += total
-    for error in range(3):
-        at = CHANNELS * OF_ALL_CHANNELS + 3 * error
-        a0, a1, a2 = sensitivity[i, at], sensitivity[i, at + 1], sensitivity[i, at + 2]
-        to = LINEAR + (OF_ALL_CHANNELS + error) * LANES
-        for j in range(LANES):
-            total = a0 * planar[row + 2 * LANES + j]
-            total = total + a1 * spatial[row + LANES + j]
-            total = total + a2 * spatial[row + 2 * LANES + j]
-            state[to + j] += total
+    w = sensitivity[i]
+    a0, a1, a2, a3, a4, a5 = w[0], w[1], w[2], w[3], w[4], w[5]
+    b0, b1, b2, b3, b4, b5 = w[6], w[7], w[8], w[9], w[10], w[11]
+    c0, c1, c2, c3, c4, c5 = w[12], w[13], w[14], w[15], w[16], w[17]
+    d0, d1, d2, d3, d4, d5 = w[18], w[19], w[20], w[21], w[22], w[23]
+    e2, e4, e5 = w[24], w[25], w[26]
+    f2, f4, f5 = w[27], w[28], w[29]
+    g2, g4, g5 = w[30], w[31], w[32]
+    for j in range(LANES):
+        x0 = np.float64(planar[row + j])
+        x1 = np.float64(planar[row + LANES + j])
+        x2 = np.float64(planar[row + 2 * LANES + j])
+        x3 = np.float64(spatial[row + j])
+        x4 = np.float64(spatial[row + LANES + j])
+        x5 = np.float64(spatial[row + 2 * LANES + j])
+        to = LINEAR + j
+        state[to] += a0 * x0 + a1 * x1 + a2 * x2 + a3 * x3 + a4 * x4 + a5 * x5
+        state[to + LANES] += b0 * x0 + b1 * x1 + b2 * x2 + b3 * x3 + b4 * x4 + b5 * x5
+        state[to + 2 * LANES] += c0 * x0 + c1 * x1 + c2 * x2 + c3 * x3 + c4 * x4 + c5 * x5
+        state[to + 3 * LANES] += d0 * x0 + d1 * x1 + d2 * x2 + d3 * x3 + d4 * x4 + d5 * x5
+        state[to + 4 * LANES] += e2 * x2 + e4 * x4 + e5 * x5
+        state[to + 5 * LANES] += f2 * x2 + f4 * x4 + f5 * x5
+        state[to + 6 * LANES] += g2 * x2 + g4 * x4 + g5 * x5
 
 
 @scalar

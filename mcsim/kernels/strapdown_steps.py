@@ -38,8 +38,10 @@ def _make_steps(increment_of):
     """The integrators' steps, with the given way of turning rotation vectors to increments."""
 
     @scalar
-    def rectangular(w, x, y, z, vl, vd, vh, pl, pd, ph, f, g, h, a, b, c, gravity):
+    def rectangular(motion, read, gravity):
         """New attitude first, then velocity, then position."""
+        w, x, y, z, vl, vd, vh, pl, pd, ph = motion
+        f, g, h, a, b, c = read
         d, a, b, c = increment_of(a, b, c)
         w, x, y, z = compose(w, x, y, z, d, a, b, c)
         al, ad, ah = rotate(w, x, y, z, f, g, h)
@@ -47,8 +49,10 @@ def _make_steps(increment_of):
         return w, x, y, z, vl, vd, vh, pl + vl, pd + vd, ph + vh
 
     @scalar
-    def forward_euler(w, x, y, z, vl, vd, vh, pl, pd, ph, f, g, h, a, b, c, gravity):
+    def forward_euler(motion, read, gravity):
         """Position from the old velocity, velocity from the old attitude."""
+        w, x, y, z, vl, vd, vh, pl, pd, ph = motion
+        f, g, h, a, b, c = read
         pl, pd, ph = pl + vl, pd + vd, ph + vh
         al, ad, ah = rotate(w, x, y, z, f, g, h)
         d, a, b, c = increment_of(a, b, c)
@@ -56,8 +60,10 @@ def _make_steps(increment_of):
         return w, x, y, z, vl + al, vd + ad, vh + (ah - gravity), pl, pd, ph
 
     @scalar
-    def trapezoidal(w, x, y, z, vl, vd, vh, pl, pd, ph, f, g, h, a, b, c, gravity):
+    def trapezoidal(motion, read, gravity):
         """Half of the turn before the interval's mean acceleration acts, half after it."""
+        w, x, y, z, vl, vd, vh, pl, pd, ph = motion
+        f, g, h, a, b, c = read
         d, a, b, c = increment_of(0.5 * a, 0.5 * b, 0.5 * c)
         w, x, y, z = compose(w, x, y, z, d, a, b, c)
         al, ad, ah = rotate(w, x, y, z, f, g, h)
@@ -80,16 +86,32 @@ def _make_steps(increment_of):
 
 
 @scalar
-def corrections(f0, g0, h0, a0, b0, c0, f, g, h, a, b, c):
-    """What two neighbouring samples tell of the turning within an interval, times 12.
+def _ideal(signals, white, i):
+    """A sample's undisturbed channels and the deviations of their noise, out of the lane loop."""
+    truth = signals[i, 0], signals[i, 1], signals[i, 2], signals[i, 3], signals[i, 4], signals[i, 5]
+    return truth, (white[0], white[1], white[2], white[3], white[4], white[5])
 
-    Specific forces (f, g, h) and turns (a, b, c): sculling ``turn_0 x f + f_0 x turn`` and
-    coning ``turn_0 x turn``; with their factor 1/12 exact for rates that change linearly.
+
+@scalar
+def _read(ideal, state, planar, spatial, at, j):
+    """Measured force (forward, left, up) and turns (roll, pitch, yaw) of one lane's sample.
+
+    Every integrator reads its channels here; ``at`` is the sample's first row of normals.
     """
-    s1, s2, s3 = cross(a0, b0, c0, f, g, h)
-    r1, r2, r3 = cross(f0, g0, h0, a, b, c)
-    k1, k2, k3 = cross(a0, b0, c0, a, b, c)
-    return s1 + r1, s2 + r2, s3 + r3, k1, k2, k3
+    truth, deviation = ideal
+    forward = measured(truth[0], state[OFFSETS + j], deviation[0] * planar[at + j])
+    left = measured(truth[1], state[OFFSETS + LANES + j], deviation[1] * planar[at + LANES + j])
+    yaw = measured(
+        truth[2], state[OFFSETS + 2 * LANES + j], deviation[2] * planar[at + 2 * LANES + j]
+    )
+    up = measured(truth[3], state[OFFSETS + 3 * LANES + j], deviation[3] * spatial[at + j])
+    roll = measured(
+        truth[4], state[OFFSETS + 4 * LANES + j], deviation[4] * spatial[at + LANES + j]
+    )
+    pitch = measured(
+        truth[5], state[OFFSETS + 5 * LANES + j], deviation[5] * spatial[at + 2 * LANES + j]
+    )
+    return forward, left, up, roll, pitch, yaw
 
 
 @scalar
@@ -109,91 +131,132 @@ def _load(state, j):
 
 
 @scalar
-def _keep(state, j, w, x, y, z, vl, vd, vh, pl, pd, ph):
-    state[W + j], state[X + j], state[Y + j], state[Z + j] = w, x, y, z
-    state[VL + j], state[VD + j], state[VH + j] = vl, vd, vh
-    state[PL + j], state[PD + j], state[PH + j] = pl, pd, ph
+def _keep(state, j, motion):
+    state[W + j], state[X + j], state[Y + j], state[Z + j] = (
+        motion[0],
+        motion[1],
+        motion[2],
+        motion[3],
+    )
+    state[VL + j], state[VD + j], state[VH + j] = motion[4], motion[5], motion[6]
+    state[PL + j], state[PD + j], state[PH + j] = motion[7], motion[8], motion[9]
 
 
-def _make_advance_one_step(step):
-    """Advance a block by sample ``i``, number ``k`` of its group; one sample per interval."""
+@scalar
+def _load_previous(state, j):
+    return (
+        state[PREVIOUS + j],
+        state[PREVIOUS + LANES + j],
+        state[PREVIOUS + 3 * LANES + j],
+        state[PREVIOUS + 4 * LANES + j],
+        state[PREVIOUS + 5 * LANES + j],
+        state[PREVIOUS + 2 * LANES + j],
+    )
+
+
+@scalar
+def _keep_previous(state, j, read):
+    state[PREVIOUS + j], state[PREVIOUS + LANES + j] = read[0], read[1]
+    state[PREVIOUS + 3 * LANES + j] = read[2]
+    state[PREVIOUS + 4 * LANES + j], state[PREVIOUS + 5 * LANES + j] = read[3], read[4]
+    state[PREVIOUS + 2 * LANES + j] = read[5]
+
+
+def _make_advance_one_sample(step):
+    """Advance a block by sample ``i``, number ``k`` of its group, or by the four of a group."""
 
     @scalar
     def advance(i, k, planar, spatial, signals, white, gravity, state):
-        row = 3 * k * LANES
-        f0, l0, c0 = signals[i, 0], signals[i, 1], signals[i, 2]
-        u0, a0, b0 = signals[i, 3], signals[i, 4], signals[i, 5]
-        sf, sl, sc, su, sa, sb = white[0], white[1], white[2], white[3], white[4], white[5]
+        at = 3 * k * LANES
+        ideal = _ideal(signals, white, i)
         for j in range(LANES):
-            w, x, y, z, vl, vd, vh, pl, pd, ph = _load(state, j)
-            f = measured(f0, state[OFFSETS + j], sf * planar[row + j])
-            g = measured(l0, state[OFFSETS + LANES + j], sl * planar[row + LANES + j])
-            c = measured(c0, state[OFFSETS + 2 * LANES + j], sc * planar[row + 2 * LANES + j])
-            h = measured(u0, state[OFFSETS + 3 * LANES + j], su * spatial[row + j])
-            a = measured(a0, state[OFFSETS + 4 * LANES + j], sa * spatial[row + LANES + j])
-            b = measured(b0, state[OFFSETS + 5 * LANES + j], sb * spatial[row + 2 * LANES + j])
-            w, x, y, z, vl, vd, vh, pl, pd, ph = step(
-                w, x, y, z, vl, vd, vh, pl, pd, ph, f, g, h, a, b, c, gravity
-            )
-            _keep(state, j, w, x, y, z, vl, vd, vh, pl, pd, ph)
+            read = _read(ideal, state, planar, spatial, at, j)
+            _keep(state, j, step(_load(state, j), read, gravity))
 
-    return advance
+    @scalar
+    def advance_four(i, planar, spatial, signals, white, gravity, state):
+        first, second = _ideal(signals, white, i), _ideal(signals, white, i + 1)
+        third, fourth = _ideal(signals, white, i + 2), _ideal(signals, white, i + 3)
+        for j in range(LANES):
+            motion = _load(state, j)
+            motion = step(motion, _read(first, state, planar, spatial, 0, j), gravity)
+            motion = step(motion, _read(second, state, planar, spatial, 3 * LANES, j), gravity)
+            motion = step(motion, _read(third, state, planar, spatial, 6 * LANES, j), gravity)
+            motion = step(motion, _read(fourth, state, planar, spatial, 9 * LANES, j), gravity)
+            _keep(state, j, motion)
+
+    return advance, advance_four
+
+
+@scalar
+def _mean(previous, own, previous_share, coning):
+    """Mean of two samples over the interval of the second, and their corrections."""
+    f0, g0, h0, a0, b0, c0 = previous
+    f, g, h, a, b, c = own
+    share = 1.0 - previous_share
+    s1, s2, s3 = cross(a0, b0, c0, f, g, h)
+    r1, r2, r3 = cross(f0, g0, h0, a, b, c)
+    k1, k2, k3 = cross(a0, b0, c0, a, b, c)
+    return (
+        share * f + previous_share * f0 + coning * (s1 + r1),
+        share * g + previous_share * g0 + coning * (s2 + r2),
+        share * h + previous_share * h0 + coning * (s3 + r3),
+        share * a + previous_share * a0 + coning * k1,
+        share * b + previous_share * b0 + coning * k2,
+        share * c + previous_share * c0 + coning * k3,
+    )
 
 
 def _make_advance_two_samples(step):
     """The same for integrators that use the previous sample.
 
-    ``previous_share`` is its weight in the interval's mean, ``coning`` that of the corrections.
+    ``previous_share`` is its weight in the interval's mean.  ``coning`` is the weight, 1/12 or
+    none, of what two neighbouring samples tell of the turning within the interval: sculling
+    ``turn_0 x f + f_0 x turn``, coning ``turn_0 x turn``; exact for rates that change linearly.
     """
 
     @scalar
     def advance(i, k, planar, spatial, signals, white, gravity, previous_share, coning, state):
-        row = 3 * k * LANES
-        f0, l0, c0 = signals[i, 0], signals[i, 1], signals[i, 2]
-        u0, a0, b0 = signals[i, 3], signals[i, 4], signals[i, 5]
-        sf, sl, sc, su, sa, sb = white[0], white[1], white[2], white[3], white[4], white[5]
-        share = 1.0 - previous_share
+        at = 3 * k * LANES
+        ideal = _ideal(signals, white, i)
         for j in range(LANES):
-            w, x, y, z, vl, vd, vh, pl, pd, ph = _load(state, j)
-            f = measured(f0, state[OFFSETS + j], sf * planar[row + j])
-            g = measured(l0, state[OFFSETS + LANES + j], sl * planar[row + LANES + j])
-            c = measured(c0, state[OFFSETS + 2 * LANES + j], sc * planar[row + 2 * LANES + j])
-            h = measured(u0, state[OFFSETS + 3 * LANES + j], su * spatial[row + j])
-            a = measured(a0, state[OFFSETS + 4 * LANES + j], sa * spatial[row + LANES + j])
-            b = measured(b0, state[OFFSETS + 5 * LANES + j], sb * spatial[row + 2 * LANES + j])
-            pf, pg = state[PREVIOUS + j], state[PREVIOUS + LANES + j]
-            pc, pu = state[PREVIOUS + 2 * LANES + j], state[PREVIOUS + 3 * LANES + j]
-            pa, pb = state[PREVIOUS + 4 * LANES + j], state[PREVIOUS + 5 * LANES + j]
-            mf = share * f + previous_share * pf
-            mg = share * g + previous_share * pg
-            mh = share * h + previous_share * pu
-            ma = share * a + previous_share * pa
-            mb = share * b + previous_share * pb
-            mc = share * c + previous_share * pc
-            df, dg, dh, da, db, dc = corrections(pf, pg, pu, pa, pb, pc, f, g, h, a, b, c)
-            mf, mg, mh = mf + coning * df, mg + coning * dg, mh + coning * dh
-            ma, mb, mc = ma + coning * da, mb + coning * db, mc + coning * dc
-            w, x, y, z, vl, vd, vh, pl, pd, ph = step(
-                w, x, y, z, vl, vd, vh, pl, pd, ph, mf, mg, mh, ma, mb, mc, gravity
-            )
-            _keep(state, j, w, x, y, z, vl, vd, vh, pl, pd, ph)
-            state[PREVIOUS + j], state[PREVIOUS + LANES + j] = f, g
-            state[PREVIOUS + 2 * LANES + j], state[PREVIOUS + 3 * LANES + j] = c, h
-            state[PREVIOUS + 4 * LANES + j], state[PREVIOUS + 5 * LANES + j] = a, b
+            read = _read(ideal, state, planar, spatial, at, j)
+            mean = _mean(_load_previous(state, j), read, previous_share, coning)
+            _keep(state, j, step(_load(state, j), mean, gravity))
+            _keep_previous(state, j, read)
 
-    return advance
+    @scalar
+    def advance_four(i, planar, spatial, signals, white, gravity, previous_share, coning, state):
+        first, second = _ideal(signals, white, i), _ideal(signals, white, i + 1)
+        third, fourth = _ideal(signals, white, i + 2), _ideal(signals, white, i + 3)
+        for j in range(LANES):
+            motion = _load(state, j)
+            before = _load_previous(state, j)
+            read = _read(first, state, planar, spatial, 0, j)
+            motion = step(motion, _mean(before, read, previous_share, coning), gravity)
+            before = _read(second, state, planar, spatial, 3 * LANES, j)
+            motion = step(motion, _mean(read, before, previous_share, coning), gravity)
+            read = _read(third, state, planar, spatial, 6 * LANES, j)
+            motion = step(motion, _mean(before, read, previous_share, coning), gravity)
+            before = _read(fourth, state, planar, spatial, 9 * LANES, j)
+            motion = step(motion, _mean(read, before, previous_share, coning), gravity)
+            _keep(state, j, motion)
+            _keep_previous(state, j, before)
+
+    return advance, advance_four
 
 
-_rectangular_little, _, _ = _make_steps(increment_little)
+_little, _, _ = _make_steps(increment_little)
 _rectangular, _forward_euler, _trapezoidal = _make_steps(increment)
 _rectangular_exactly, _forward_euler_exactly, _trapezoidal_exactly = _make_steps(increment_exactly)
 
-advance_little = _make_advance_one_step(_rectangular_little)
-advance = _make_advance_one_step(_rectangular)
-advance_euler = _make_advance_one_step(_forward_euler)
-advance_two_samples = _make_advance_two_samples(_trapezoidal)
+#: The fast path: little rotations, the rule of the planar case.
+_, advance_four_little = _make_advance_one_sample(_little)
+advance, advance_four = _make_advance_one_sample(_rectangular)
+advance_euler, _ = _make_advance_one_sample(_forward_euler)
+advance_two_samples, advance_two_samples_four = _make_advance_two_samples(_trapezoidal)
 # Rotations beyond the polynomials are rare; with the previous sample's weight at zero, these
 # serve the integrators of one sample as well.
-advance_exactly = _make_advance_two_samples(_rectangular_exactly)
-advance_euler_exactly = _make_advance_two_samples(_forward_euler_exactly)
-advance_two_samples_exactly = _make_advance_two_samples(_trapezoidal_exactly)
+advance_exactly, _ = _make_advance_two_samples(_rectangular_exactly)
+advance_euler_exactly, _ = _make_advance_two_samples(_forward_euler_exactly)
+advance_two_samples_exactly, _ = _make_advance_two_samples(_trapezoidal_exactly)
