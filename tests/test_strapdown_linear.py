@@ -1,10 +1,12 @@
 """The strapdown's linear model: weights against finite differences, moments against sampling."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.integrate import quad
 
 from mcsim.cases.lengths import length_quantile, mean_length
 from tests.strapdown import EVERYTHING, RULES, problem
@@ -155,6 +157,30 @@ def test_quantiles_of_spatial_normal_vectors(p):
     assert length_quantile(zero, line, p) == pytest.approx(2 * stats.halfnorm.ppf(p), rel=1e-6)
     flat = np.diag([1.0, 0.0, 1.0])
     assert length_quantile(zero, flat, p) == pytest.approx(stats.rayleigh.ppf(p), rel=1e-6)
+
+
+@pytest.mark.parametrize("narrow", [0.5, 1e-2, 1e-4])
+@pytest.mark.parametrize("centre", [(0.0, 0.0), (0.3, 0.8), (5.0, 20.0)])
+def test_quantiles_of_elongated_plane_vectors(narrow, centre):
+    """Against scipy's adaptive integration over the narrow axis, the wide one in closed form."""
+    x, y = stats.norm(centre[0], narrow), stats.norm(centre[1], 1.0)
+    r = length_quantile(np.array(centre), np.diag([narrow**2, 1.0]), 0.7)
+
+    def slice_within(z):
+        half = np.sqrt(max(r**2 - z**2, 0.0))
+        return x.pdf(z) * (y.cdf(half) - y.cdf(-half))
+
+    ends = np.clip(centre[0] + narrow * np.linspace(-9.0, 9.0, 19), -r, r)
+    below = sum(quad(slice_within, a, b)[0] for a, b in pairwise(ends))
+    assert below == pytest.approx(0.7, abs=1e-8)
+
+
+def test_quantiles_far_from_zero():
+    """The expansion takes over at 300 deviations: no step there, and right beyond."""
+    for offset in (299.0, 301.0, 3000.0):
+        centre = np.array([0.0, offset, 0.0])
+        expected = np.sqrt(stats.ncx2.ppf(0.9, 3, offset**2))
+        assert length_quantile(centre, np.eye(3), 0.9) == pytest.approx(expected, abs=2e-5)
 
 
 def test_mean_length_in_space():

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(160)
+#: Offsets in deviations from which on two terms of the expansion are exact to 1e-5 of a deviation.
+_FAR = 300.0
 #: Deviations beyond which a density is nothing, the narrowest share of the widest one, and
 #: the smallest radius (m).
 _REACH, _NARROWEST, _TINY = 9.0, 1e-9, 1e-100
@@ -45,6 +47,8 @@ def length_quantile(centre: Array, covariance: Array, p: float) -> float:
     high = float(offset + 9.0 * np.linalg.norm(deviations))
     if deviations[-1] <= 1e-12 * high:
         return offset
+    if offset > _FAR * deviations[-1]:
+        return _far_quantile(centre / offset, offset, covariance, p)
     deviations = np.maximum(deviations, _NARROWEST * deviations[-1])
 
     def excess(r: float) -> float:
@@ -53,18 +57,27 @@ def length_quantile(centre: Array, covariance: Array, p: float) -> float:
     return float(brentq(excess, 0.0, high, xtol=1e-13 * high, rtol=1e-13))
 
 
+def _far_quantile(direction: Array, offset: float, covariance: Array, p: float) -> float:
+    """Far from zero the length is a normal one along the offset, and a little of the rest."""
+    from scipy.special import ndtri
+
+    along = float(direction @ covariance @ direction)
+    beside = float(np.trace(covariance)) - along
+    return float(offset + 0.5 * beside / offset + ndtri(p) * np.sqrt(along))
+
+
 def _length_below(r: Array, mean: Array, deviations: Array) -> Array:
     """P(length <= r) for radii (k,), with independent components, the widest one last.
 
-    Over the widest component x = r sin(a), where its density is not nothing; the others are
-    a vector of one dimension less within the radius r cos(a).
+    Over the narrowest component x = r sin(a), where its density is not nothing; the others
+    are a vector of one dimension less within the radius r cos(a), the widest in closed form.
     """
     from scipy.special import ndtr
 
+    centre, deviation = mean[0], deviations[0]
     if len(mean) == 1:
-        inside: Array = ndtr((r - mean[0]) / deviations[0]) - ndtr((-r - mean[0]) / deviations[0])
+        inside: Array = ndtr((r - centre) / deviation) - ndtr((-r - centre) / deviation)
         return inside
-    centre, deviation = mean[-1], deviations[-1]
     radius = np.maximum(r, _TINY)
     ends = centre + _REACH * deviation * np.array([-1.0, 1.0])
     low, high = np.arcsin(np.clip(ends[:, None] / radius, -1.0, 1.0))
@@ -72,6 +85,6 @@ def _length_below(r: Array, mean: Array, deviations: Array) -> Array:
     a = 0.5 * (low + high)[:, None] + half[:, None] * _NODES
     x, rest = radius[:, None] * np.sin(a), radius[:, None] * np.cos(a)
     density = np.exp(-0.5 * ((x - centre) / deviation) ** 2) / (np.sqrt(2.0 * np.pi) * deviation)
-    within = _length_below(rest.ravel(), mean[:-1], deviations[:-1]).reshape(rest.shape)
+    within = _length_below(rest.ravel(), mean[1:], deviations[1:]).reshape(rest.shape)
     below: Array = half * np.sum(_WEIGHTS * density * within * rest, axis=1)
     return below
