@@ -64,6 +64,21 @@ def test_bad_input_gets_one_clear_message(old, new, place, message):
     assert message in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("text", "degrees"),
+    [
+        ("0.3 °/(m/s²)", 0.3),
+        ("0.3 deg/(m/s^2)", 0.3),
+        ("2.941995 °/g", 0.3),
+        ("2.941995 deg/g", 0.3),
+        ("5.235987756 mrad/(m/s²)", 0.3),
+    ],
+)
+def test_roll_gradients_are_read_as_sheets_write_them(text, degrees):
+    gradient = scenario({"body.roll.gradient": text}).base.body.roll.gradient
+    assert math.degrees(gradient) == pytest.approx(degrees, rel=1e-9)
+
+
 def test_a_recorded_attitude_excludes_a_leaning_body():
     overrides = {
         "trajectory": {

@@ -31,6 +31,7 @@ from mcsim.kernels.strapdown import (
     SPEED,
     TWO_SAMPLE,
 )
+from mcsim.trajectory.attitude import euler_angles, rotation_matrix
 
 Array = NDArray[np.float64]
 
@@ -191,8 +192,6 @@ def _stacked(force_force: Array, force_turn: Array, turn_turn: Array) -> Array:
 
 def _attitudes(turn: Array, initial: Array) -> Array:
     """Matrices (n + 1, 3, 3) at the samples."""
-    from mcsim.trajectory.attitude import rotation_matrix
-
     steps = _rotations(turn)
     matrices = np.empty((len(turn) + 1, 3, 3))
     matrices[0] = rotation_matrix(initial[5], initial[6], initial[7])
@@ -288,8 +287,6 @@ class _EndErrors:
 
     def of(self, position: Array, velocity: Array, tilt: Array) -> Array:
         """Errors (…, 7, k) of changes (…, 3, k) of position, velocity and attitude."""
-        from mcsim.trajectory.attitude import euler_angles
-
         angles = euler_angles(self.matrix)
         axes = _euler_axes(np.array([angles.roll, angles.pitch, angles.heading]))
         # At a pitch of ±90° roll and heading are one; the pseudo-inverse shares it out.
