@@ -187,9 +187,8 @@ def simulate(
     little = largest_turn <= LITTLE_ROTATION
     exact = largest_turn > LARGEST_ROTATION
     one_sample = method in (RECTANGULAR, FORWARD_EULER)
-    coning = 1 / 12 if method == TWO_SAMPLE else 0.0
-    if one_sample:
-        previous_share = 0.0
+    # Weights of the previous sample, and of coning and sculling.
+    mean = (0.0 if one_sample else previous_share, 1 / 12 if method == TWO_SAMPLE else 0.0)
     with_constants = levelled
     for k in range(N_CONSTANTS):
         with_constants = with_constants or deviations[k] != 0.0
@@ -197,6 +196,7 @@ def simulate(
     spatial_state = np.empty(4 * LANES, np.uint32)
     planar = np.empty(3 * GROUP * LANES, np.float32)
     spatial = np.empty(3 * GROUP * LANES, np.float32)
+    noise = planar, spatial
     constants = np.zeros(N_CONSTANTS * LANES, np.float32)
     state = np.empty(N_STATE, np.float64)
     half = N_CONSTANTS // 2
@@ -220,39 +220,30 @@ def simulate(
             size = min(GROUP, n + 1 - i)
             if with_linear:
                 for k in range(size):
-                    add_linear(i + k, k, planar, spatial, sensitivity, state)
+                    add_linear(i + k, k, noise, sensitivity, state)
             if size == GROUP and not (exact or record or method == FORWARD_EULER):
                 if method == RECTANGULAR and little:
-                    advance_four_little(i, planar, spatial, signals, white, gravity, state)
+                    advance_four_little(i, noise, signals, white, gravity, state)
                 elif method == RECTANGULAR:
-                    advance_four(i, planar, spatial, signals, white, gravity, state)
+                    advance_four(i, noise, signals, white, gravity, state)
                 else:
-                    advance_two_samples_four(
-                        i, planar, spatial, signals, white, gravity, previous_share, coning, state
-                    )
+                    advance_two_samples_four(i, noise, signals, white, gravity, mean, state)
                 continue
             for k in range(size):
-                noise = planar, spatial
                 if exact and method == RECTANGULAR:
-                    advance_exactly(
-                        i + k, k, *noise, signals, white, gravity, previous_share, coning, state
-                    )
+                    advance_exactly(i + k, k, noise, signals, white, gravity, mean, state)
                 elif exact and method == FORWARD_EULER:
-                    advance_euler_exactly(
-                        i + k, k, *noise, signals, white, gravity, previous_share, coning, state
-                    )
+                    advance_euler_exactly(i + k, k, noise, signals, white, gravity, mean, state)
                 elif exact:
                     advance_two_samples_exactly(
-                        i + k, k, *noise, signals, white, gravity, previous_share, coning, state
+                        i + k, k, noise, signals, white, gravity, mean, state
                     )
                 elif method == RECTANGULAR:
-                    advance(i + k, k, planar, spatial, signals, white, gravity, state)
+                    advance(i + k, k, noise, signals, white, gravity, state)
                 elif method == FORWARD_EULER:
-                    advance_euler(i + k, k, planar, spatial, signals, white, gravity, state)
+                    advance_euler(i + k, k, noise, signals, white, gravity, state)
                 else:
-                    advance_two_samples(
-                        i + k, k, *noise, signals, white, gravity, previous_share, coning, state
-                    )
+                    advance_two_samples(i + k, k, noise, signals, white, gravity, mean, state)
                 if record:
                     record_states(state, i + k, start, filled, interval, history)
         finish_block(state, start, filled, interval, final, errors, linear)

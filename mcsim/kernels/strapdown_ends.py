@@ -168,11 +168,12 @@ def start_linear(constants, linear_constants, state):
 
 
 @scalar
-def add_linear(i, k, planar, spatial, sensitivity, state):
+def add_linear(i, k, noise, sensitivity, state):
     """Add sample ``i``'s noise to the linear errors.
 
     One loop over lanes, written out: each normal is read and converted once.
     """
+    planar, spatial = noise
     row = 3 * k * LANES
     w = sensitivity[i]
     a0, a1, a2, a3, a4, a5 = w[0], w[1], w[2], w[3], w[4], w[5]

@@ -93,12 +93,13 @@ def _ideal(signals, white, i):
 
 
 @scalar
-def _read(ideal, state, planar, spatial, at, j):
+def _read(ideal, state, noise, at, j):
     """Measured force (forward, left, up) and turns (roll, pitch, yaw) of one lane's sample.
 
     Every integrator reads its channels here; ``at`` is the sample's first row of normals.
     """
     truth, deviation = ideal
+    planar, spatial = noise
     forward = measured(truth[0], state[OFFSETS + j], deviation[0] * planar[at + j])
     left = measured(truth[1], state[OFFSETS + LANES + j], deviation[1] * planar[at + LANES + j])
     yaw = measured(
@@ -166,33 +167,34 @@ def _make_advance_one_sample(step):
     """Advance a block by sample ``i``, number ``k`` of its group, or by the four of a group."""
 
     @scalar
-    def advance(i, k, planar, spatial, signals, white, gravity, state):
+    def advance(i, k, noise, signals, white, gravity, state):
         at = 3 * k * LANES
         ideal = _ideal(signals, white, i)
         for j in range(LANES):
-            read = _read(ideal, state, planar, spatial, at, j)
+            read = _read(ideal, state, noise, at, j)
             _keep(state, j, step(_load(state, j), read, gravity))
 
     @scalar
-    def advance_four(i, planar, spatial, signals, white, gravity, state):
+    def advance_four(i, noise, signals, white, gravity, state):
         first, second = _ideal(signals, white, i), _ideal(signals, white, i + 1)
         third, fourth = _ideal(signals, white, i + 2), _ideal(signals, white, i + 3)
         for j in range(LANES):
             motion = _load(state, j)
-            motion = step(motion, _read(first, state, planar, spatial, 0, j), gravity)
-            motion = step(motion, _read(second, state, planar, spatial, 3 * LANES, j), gravity)
-            motion = step(motion, _read(third, state, planar, spatial, 6 * LANES, j), gravity)
-            motion = step(motion, _read(fourth, state, planar, spatial, 9 * LANES, j), gravity)
+            motion = step(motion, _read(first, state, noise, 0, j), gravity)
+            motion = step(motion, _read(second, state, noise, 3 * LANES, j), gravity)
+            motion = step(motion, _read(third, state, noise, 6 * LANES, j), gravity)
+            motion = step(motion, _read(fourth, state, noise, 9 * LANES, j), gravity)
             _keep(state, j, motion)
 
     return advance, advance_four
 
 
 @scalar
-def _mean(previous, own, previous_share, coning):
+def _mean(previous, own, weights):
     """Mean of two samples over the interval of the second, and their corrections."""
     f0, g0, h0, a0, b0, c0 = previous
     f, g, h, a, b, c = own
+    previous_share, coning = weights
     share = 1.0 - previous_share
     s1, s2, s3 = cross(a0, b0, c0, f, g, h)
     r1, r2, r3 = cross(f0, g0, h0, a, b, c)
@@ -210,36 +212,36 @@ def _mean(previous, own, previous_share, coning):
 def _make_advance_two_samples(step):
     """The same for integrators that use the previous sample.
 
-    ``previous_share`` is its weight in the interval's mean.  ``coning`` is the weight, 1/12 or
-    none, of what two neighbouring samples tell of the turning within the interval: sculling
+    ``mean`` holds its weight in the interval's mean, and the weight, 1/12 or none, of what two
+    neighbouring samples tell of the turning within the interval: sculling
     ``turn_0 x f + f_0 x turn``, coning ``turn_0 x turn``; exact for rates that change linearly.
     """
 
     @scalar
-    def advance(i, k, planar, spatial, signals, white, gravity, previous_share, coning, state):
+    def advance(i, k, noise, signals, white, gravity, mean, state):
         at = 3 * k * LANES
         ideal = _ideal(signals, white, i)
         for j in range(LANES):
-            read = _read(ideal, state, planar, spatial, at, j)
-            mean = _mean(_load_previous(state, j), read, previous_share, coning)
-            _keep(state, j, step(_load(state, j), mean, gravity))
+            read = _read(ideal, state, noise, at, j)
+            over = _mean(_load_previous(state, j), read, mean)
+            _keep(state, j, step(_load(state, j), over, gravity))
             _keep_previous(state, j, read)
 
     @scalar
-    def advance_four(i, planar, spatial, signals, white, gravity, previous_share, coning, state):
+    def advance_four(i, noise, signals, white, gravity, mean, state):
         first, second = _ideal(signals, white, i), _ideal(signals, white, i + 1)
         third, fourth = _ideal(signals, white, i + 2), _ideal(signals, white, i + 3)
         for j in range(LANES):
             motion = _load(state, j)
             before = _load_previous(state, j)
-            read = _read(first, state, planar, spatial, 0, j)
-            motion = step(motion, _mean(before, read, previous_share, coning), gravity)
-            before = _read(second, state, planar, spatial, 3 * LANES, j)
-            motion = step(motion, _mean(read, before, previous_share, coning), gravity)
-            read = _read(third, state, planar, spatial, 6 * LANES, j)
-            motion = step(motion, _mean(before, read, previous_share, coning), gravity)
-            before = _read(fourth, state, planar, spatial, 9 * LANES, j)
-            motion = step(motion, _mean(read, before, previous_share, coning), gravity)
+            read = _read(first, state, noise, 0, j)
+            motion = step(motion, _mean(before, read, mean), gravity)
+            before = _read(second, state, noise, 3 * LANES, j)
+            motion = step(motion, _mean(read, before, mean), gravity)
+            read = _read(third, state, noise, 6 * LANES, j)
+            motion = step(motion, _mean(before, read, mean), gravity)
+            before = _read(fourth, state, noise, 9 * LANES, j)
+            motion = step(motion, _mean(read, before, mean), gravity)
             _keep(state, j, motion)
             _keep_previous(state, j, before)
 
