@@ -33,6 +33,7 @@ from mcsim.sweep import run_sweep
 from mcsim.version import __version__
 
 BASE = Path(__file__).resolve().parent.parent / "scenarios" / "paper" / "figure1.yaml"
+ROLLING = BASE.parent.parent / "strapdown" / "rolling_vehicle.yaml"
 ALL_ERRORS = {
     "sensors.accelerometer.miscalibration": "0.01 m/s^2",
     "sensors.gyroscope.miscalibration": "0.1 °/s",
@@ -117,6 +118,31 @@ def kernel_speed(rounds: int) -> dict[str, object]:
         "ratio to plain numpy": {k: round(ns["plain numpy"] / v, 2) for k, v in ns.items()},
         "ratio to naive numba": {k: round(ns["naive numba"] / v, 2) for k, v in ns.items()},
     }
+
+
+def strapdown_speed(rounds: int) -> dict[str, object]:
+    """A sample of the strapdown kernel, as a multiple of the planar kernel's, on one thread."""
+    planar = problem_of(scenario().base, Path())
+    count = 12_800
+
+    def work(problem, **options) -> Callable[[], int]:
+        def timed() -> int:
+            problem.simulate(1, 0, count, **options)
+            return count * problem.n_samples
+
+        return timed
+
+    def rolling(**overrides: str):
+        s = Scenario.from_yaml(ROLLING, {"sweep": None, **overrides})
+        return problem_of(s.base, Path())
+
+    p = rolling()
+    variants = {"planar": work(planar), "planar, controls": work(planar, controls=True)}
+    for rule in ("rectangular", "forward_euler", "trapezoidal", "two_sample"):
+        variants[rule] = work(rolling(**{"reconstruction.integration": rule}))
+    variants["rectangular, controls"] = work(p, controls=True)
+    ns = interleaved(variants, rounds)
+    return {name: round(value / ns["planar"], 2) for name, value in ns.items()}
 
 
 def thread_scaling(rounds: int) -> dict[str, object]:
@@ -350,6 +376,7 @@ def main() -> None:
     parts: dict[str, Callable[[], object]] = {
         "threads": lambda: thread_scaling(rounds),
         "kernel": lambda: kernel_speed(rounds),
+        "strapdown (time to the planar kernel's)": lambda: strapdown_speed(rounds),
         "statistics": lambda: statistics_cost(rounds),
         "scaling (time per realization and sample)": lambda: scaling(rounds),
         "sweep (time per point)": lambda: sweep_overhead(rounds),

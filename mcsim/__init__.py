@@ -15,6 +15,12 @@ Conventions (the whole package keeps them)
   Side-slip is course minus heading.
 * Body axes: forward, left.  Channels are always ordered forward acceleration, left
   acceleration, yaw rate.
+* In space (strapdown case): ``height`` upwards, body axes forward, left, up; Euler angles
+  heading, pitch, roll (Z-Y-X); roll positive with the left side up, pitch with the nose
+  down (ISO 8855).  Accelerometers measure specific force, +g upwards at rest.  At a pitch
+  of +-90 deg the roll is zero by convention.  The frame is level and does not turn with
+  the earth.  Channels: the planar three, then upward force, roll rate, pitch rate; errors:
+  along, across, height, position, roll, pitch, heading, course.
 * Time 0 is where the manoeuvre starts; sample 0, the known initial state, lies one
   lead before it.
 * Velocity case: sensor axes x forward, z up, so that a level sensor at rest reads

@@ -70,6 +70,12 @@ _RATE = {
     "mrad/s": 1e-3,
     "m°/s": _DEG * 1e-3,
 }
+_GRADIENT = {
+    "°/(m/s²)": _DEG,
+    "°/g": _DEG / STANDARD_GRAVITY,
+    "rad/(m/s²)": 1.0,
+    "mrad/(m/s²)": 1e-3,
+}
 _ROOT_HERTZ = {"√Hz": 1.0}
 _ROOT_TIME = {"√s": 1.0, "√h": 60.0}
 #: Slow drifts: units of biases and their instability that no noise density is written in.
@@ -144,6 +150,7 @@ _KINDS = (
     ),
     Kind("jerk", "a", "m/s³", {"m/s³": 1.0, "g/s": STANDARD_GRAVITY}, "1 m/s³"),
     Kind("rotational speed", "a", "Hz", {"rpm": 1.0 / 60.0, "Hz": 1.0}, "800 rpm"),
+    Kind("angle gradient", "an", "rad/(m/s²)", _GRADIENT, "0.3 °/(m/s²)"),
     Kind("ratio", "a", "1", {"%": 1e-2, "ppm": 1e-6}, "1 %"),
     Kind("confidence", "a", "σ", {"σ": 1.0, "%": math.nan}, "3 sigma"),
 )

@@ -10,6 +10,7 @@ import mcsim
 from mcsim import InputError, Scenario
 from mcsim.cases import problem_of
 from tests.conftest import BASE_YAML, scenario
+from tests.strapdown import scenario as spatial_scenario
 
 CALM = settings(max_examples=40, suppress_health_check=list(HealthCheck))
 
@@ -82,6 +83,11 @@ def test_random_scenarios_never_crash_and_keep_the_rules(shape, motion, values):
         table = mcsim.run(s).table
     except InputError:
         return  # a refusal is an answer
+    keeps_the_rules(table)
+
+
+def keeps_the_rules(table):
+    """Finite numbers, RMS from mean and deviation, angles wrapped, intervals around values."""
     for name, rows in table.groupby("error"):
         v = rows.set_index("statistic")["value"]
         if v.isna().all():
@@ -94,6 +100,37 @@ def test_random_scenarios_never_crash_and_keep_the_rules(shape, motion, values):
     bounded = table[table["ci_low"].notna()]
     assert (bounded["ci_low"] <= bounded["value"]).all()
     assert (bounded["value"] <= bounded["ci_high"]).all()
+
+
+bodies = st.fixed_dictionaries(
+    {
+        "body.bank": amount(-40, 40).map("{} °".format),
+        "body.grade": amount(-40, 40).map("{} °".format),
+        "body.roll.gradient": amount(0, 3).map("{} °/(m/s²)".format),
+        "body.roll.natural_frequency": st.sampled_from(["0 Hz", "0.05 Hz", "1.5 Hz", "50 Hz"]),
+        "body.roll.damping": amount(5, 200).map("{} %".format),
+        "body.pitch.gradient": amount(0, 3).map("{} °/(m/s²)".format),
+        "body.pitch.natural_frequency": amount(0.05, 20).map("{} Hz".format),
+        "initial.tilt_error": amount(0, 90).map("{} °".format),
+        "initial.roll_error": amount(0, 200).map("{} °".format),
+        "initial.levelling": st.sampled_from([None, {"duration": "1 ms"}, {"duration": "10 s"}]),
+        "reconstruction.algorithm": st.sampled_from(["strapdown", "strapdown", "planar"]),
+        "reconstruction.integration": st.sampled_from(
+            ["rectangular", "forward_euler", "trapezoidal", "two_sample"]
+        ),
+    }
+)
+
+
+@CALM
+@given(shape=shapes, motion=motions, values=rest, body=bodies)
+def test_random_strapdown_scenarios_never_crash_and_keep_the_rules(shape, motion, values, body):
+    overrides = {"trajectory": {**shape, **motion}, **values, **body}
+    try:
+        table = mcsim.run(spatial_scenario(overrides)).table
+    except InputError:
+        return  # a refusal is an answer
+    keeps_the_rules(table)
 
 
 @CALM

@@ -9,7 +9,12 @@ from pathlib import Path
 
 from mcsim.cases.problem import History, Problem
 from mcsim.errors import McsimError
-from mcsim.scenario import CaseScenario, PlanarScenario, VelocityScenario
+from mcsim.scenario import (
+    CaseScenario,
+    PlanarScenario,
+    StrapdownScenario,
+    VelocityScenario,
+)
 
 __all__ = ["History", "Problem", "check_point", "problem_of"]
 
@@ -30,6 +35,13 @@ def problem_of(model: CaseScenario, folder: Path) -> Problem:
         from mcsim.cases.velocity import VelocityProblem
 
         return VelocityProblem.from_model(model)
+    if isinstance(model, StrapdownScenario):
+        from mcsim.cases.level import LevelProblem
+        from mcsim.cases.strapdown import StrapdownProblem
+
+        if model.reconstruction.algorithm == "planar":
+            return LevelProblem.from_model(model, folder)
+        return StrapdownProblem.from_model(model, folder)
     raise _unknown(model)
 
 
@@ -50,6 +62,11 @@ def check_point(model: CaseScenario, folder: Path) -> int:
         from mcsim.cases.velocity import step_count
 
         return step_count(model)
+    if isinstance(model, StrapdownScenario):
+        from mcsim.cases.planar import sample_count
+        from mcsim.trajectory.spatial import spatial_drive
+
+        return sample_count(spatial_drive(model, folder).drive, model.sensors.rate)
     raise _unknown(model)
 
 

@@ -23,6 +23,7 @@ from mcsim.cases.planar_linear import (
 from mcsim.cases.problem import Array, History, LinearModel, Sample
 from mcsim.errors import InputError
 from mcsim.scenario import PlanarScenario
+from mcsim.scenario.planar import Initial
 from mcsim.sensors.error_model import (
     ACCELEROMETER,
     GYROSCOPE,
@@ -41,7 +42,7 @@ from mcsim.units import STANDARD_GRAVITY
 _MOST_DENSE_SAMPLES = 20_000_000
 #: Forward and left acceleration, yaw rate.
 CHANNELS = (Channel(ACCELEROMETER, 0), Channel(ACCELEROMETER, 1), Channel(GYROSCOPE, 2))
-_RATES = (False, False, True)
+RATES = (False, False, True)
 
 
 @dataclass(frozen=True)
@@ -74,25 +75,18 @@ class PlanarProblem:
             No such track, or one that is shorter than a sample or absurdly long.
         """
         drive = drive_of(model.trajectory, folder)
-        sensors, initial = model.sensors, model.initial
+        sensors = model.sensors
         errors = channel_errors(sensors, CHANNELS, drive.duration, STANDARD_GRAVITY)
         samples = _sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
         return cls(
             signals=samples.signals,
-            initial_deviations=np.array(
-                [
-                    initial.speed_error,
-                    initial.direction_error,
-                    initial.heading_error,
-                    initial.course_error,
-                ]
-            ),
-            sensor_errors=per_interval(errors, _RATES, 1.0 / sensors.rate),
+            initial_deviations=initial_deviations(model.initial),
+            sensor_errors=per_interval(errors, RATES, 1.0 / sensors.rate),
             truth=samples.truth,
             interval=1.0 / sensors.rate,
             trapezoidal=model.reconstruction.integration == "trapezoidal",
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
-            missing=_missing(drive),
+            missing=course_missing(drive),
         )
 
     @property
@@ -122,14 +116,22 @@ class PlanarProblem:
         return self.measurement.fold(self.weights.samples, self.signals)
 
     @cached_property
-    def linear(self) -> LinearModel:
-        by_source = {
+    def control_covariance(self) -> Array:
+        """Covariance (4, 4) of the linear errors that the controls hold."""
+        initial = self.weights.initial
+        return self.normal_weights.covariance + initial @ initial.T
+
+    @cached_property
+    def variances_by_source(self) -> Mapping[str, Array]:
+        """Variance (4,) of the linear errors by source."""
+        return {
             **self.measurement.variances(self.weights.samples, self.signals),
             **self.weights.initial_variances(),
         }
-        initial = self.weights.initial
-        covariance = self.normal_weights.covariance + initial @ initial.T
-        return linear_model(covariance, by_source, self.method_errors())
+
+    @cached_property
+    def linear(self) -> LinearModel:
+        return linear_model(self.control_covariance, self.variances_by_source, self.method_errors())
 
     @cached_property
     def _start(self) -> Array:
@@ -276,6 +278,18 @@ def _sampled(drive: Drive, rate: float, method: str, bandwidths: tuple[float, ..
     return _Samples(np.ascontiguousarray(signals * [1.0, 1.0, 1.0 / rate]), truth)
 
 
+def initial_deviations(initial: Initial) -> Array:
+    """Standard deviations (4,) of the initial speed, direction, heading and course."""
+    return np.array(
+        [
+            initial.speed_error,
+            initial.direction_error,
+            initial.heading_error,
+            initial.course_error,
+        ]
+    )
+
+
 def wrap(angle: Array) -> Array:
     """Angles in (-pi, pi]."""
     return angle - 2.0 * np.pi * np.ceil((angle - np.pi) / (2.0 * np.pi))
@@ -286,7 +300,8 @@ def _still(truth: Motion) -> float:
     return 1e-9 * float(np.max(truth.speed))
 
 
-def _missing(drive: Drive) -> Mapping[str, str]:
+def course_missing(drive: Drive) -> Mapping[str, str]:
+    """Why the course at the end is undefined, if it is."""
     if drive.manoeuvre.stops:
         return {
             "course": "the vehicle comes to rest within the last interval: its course is undefined"

@@ -127,7 +127,7 @@ def linear_model(covariance: Array, by_source: Mapping[str, Array], method: Arra
     distribution.
     """
     mean, second = _moments(covariance, method)
-    everything = covariance + _beyond(covariance, by_source)
+    everything = covariance + beyond_controls(covariance, by_source)
     all_mean, all_second = _moments(everything, method)
     centre, plane = np.asarray(method[:2]), everything[:2, :2]
     return LinearModel(
@@ -143,7 +143,7 @@ def linear_model(covariance: Array, by_source: Mapping[str, Array], method: Arra
     )
 
 
-def _beyond(covariance: Array, by_source: Mapping[str, Array]) -> Array:
+def beyond_controls(covariance: Array, by_source: Mapping[str, Array]) -> Array:
     """What the sources have beyond the controls' covariance; taken as uncorrelated."""
     total = np.sum(list(by_source.values()), axis=0)
     beyond = total - np.diag(covariance)

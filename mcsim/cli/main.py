@@ -99,6 +99,9 @@ def commands() -> None:
     """
 
 
+commands.add_command(table)
+
+
 @commands.command()
 @click.argument("scenarios", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--set", "overrides", multiple=True, metavar="PATH=VALUE", help="Replace a value.")

@@ -30,18 +30,24 @@ def seed_lanes(key, first, stream, random_state):
 
 
 @scalar
-def draw_constants(key, first, rows, constants):
-    """Normals per lane for what a realization draws once; ``rows`` is a multiple of four."""
-    for block in range(rows // 4):
+def draw_normals(key, first, stream, count, normals):
+    """The first ``count`` normals (a multiple of four) of a stream, for each lane."""
+    for block in range(count // 4):
         row = 4 * block * LANES
         for j in range(LANES):
-            w0, w1, w2, w3 = stream_words(key, first + uint64(j), CONSTANTS, block)
+            w0, w1, w2, w3 = stream_words(key, first + uint64(j), stream, block)
             z0, z1 = normal_pair(w0, w1)
             z2, z3 = normal_pair(w2, w3)
-            constants[row + j] = z0
-            constants[row + LANES + j] = z1
-            constants[row + 2 * LANES + j] = z2
-            constants[row + 3 * LANES + j] = z3
+            normals[row + j] = z0
+            normals[row + LANES + j] = z1
+            normals[row + 2 * LANES + j] = z2
+            normals[row + 3 * LANES + j] = z3
+
+
+@scalar
+def draw_constants(key, first, rows, constants):
+    """Normals per lane for what a realization draws once; ``rows`` is a multiple of four."""
+    draw_normals(key, first, CONSTANTS, rows, constants)
 
 
 @scalar

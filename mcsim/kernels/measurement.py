@@ -22,6 +22,8 @@ from mcsim.kernels.random import normal_pair, xoshiro_next
 
 #: Stream of a realization for jitter and spikes (see ``lanes``).
 EVENTS = 2
+#: Channels of the planar case, whose normals have a stream of their own.
+PLANAR = 3
 #: Processes come in multiples of this; missing ones have no gain.
 FOUR = 4
 
@@ -135,6 +137,8 @@ def measure(
     channels,
     row,
     normals,
+    further_row,
+    further_normals,
     signals,
     offsets,
     mix_to,
@@ -152,16 +156,21 @@ def measure(
     event_state,
     measured,
 ):
-    """All channels of sample ``i``; their normals begin at row ``row``, one row per channel.
+    """All channels of sample ``i``.
 
-    The last of the ``coefficients``' rows is scratch.  Processes come in fours.
+    Normals of the first three channels are rows of ``normals`` from ``row`` on, those of
+    further channels rows of ``further_normals`` from ``further_row`` on.  The last of the
+    ``coefficients`` rows is scratch.  Processes come in fours.
     """
     for channel in range(channels):
+        planar = channel < PLANAR
         _truth_and_noise(
             signals[i, channel],
             innovation[i, channel],
             _row(offsets, channel),
-            _row(normals, row + channel),
+            _row(normals, row + channel)
+            if planar
+            else _row(further_normals, further_row + channel - PLANAR),
             _row(measured, channel),
         )
     for entry in range(len(mix_to)):
@@ -175,12 +184,17 @@ def measure(
     count = decay.shape[1]
     for channel in range(channels):
         own = _row(measured, channel)
+        drawn = (
+            _row(normals, row + channel)
+            if channel < PLANAR
+            else _row(further_normals, further_row + channel - PLANAR)
+        )
         for first in range(0, count, FOUR):
             begin = (channel * count + first) * LANES
             _processes(
                 decay[channel, first : first + FOUR],
                 gains[i, channel, first : first + FOUR],
-                _row(normals, row + channel),
+                drawn,
                 processes[begin : begin + FOUR * LANES],
                 own,
             )

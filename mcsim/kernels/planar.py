@@ -537,6 +537,8 @@ def simulate(
                         3,
                         row,
                         source,
+                        row,
+                        source,
                         signals,
                         offsets,
                         mix_to,

@@ -5,6 +5,7 @@ from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.error_names import UNITS, ErrorName, ErrorRow
 from mcsim.scenario.planar import PlanarScenario
 from mcsim.scenario.scenario import Point, Scenario
+from mcsim.scenario.strapdown import StrapdownScenario
 from mcsim.scenario.velocity import VelocityScenario
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "PlanarScenario",
     "Point",
     "Scenario",
+    "StrapdownScenario",
     "Value",
     "VelocityScenario",
 ]

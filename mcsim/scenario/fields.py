@@ -79,6 +79,7 @@ RateRandomWalk = Annotated[float, Quantity("rate random walk")]
 GSensitivity = Annotated[float, Quantity("g-sensitivity")]
 Jerk = Annotated[float, Quantity("jerk")]
 RotationalSpeed = Annotated[float, Quantity("rotational speed")]
+AngleGradient = Annotated[float, Quantity("angle gradient")]
 Ratio = Annotated[float, Quantity("ratio")]
 Confidence = Annotated[float, Quantity("confidence")]
 

@@ -23,6 +23,7 @@ from mcsim.scenario.document import (
 )
 from mcsim.scenario.paths import scalars, split_path, suggest
 from mcsim.scenario.planar import PlanarScenario
+from mcsim.scenario.strapdown import StrapdownScenario
 from mcsim.scenario.validation import validate
 from mcsim.scenario.velocity import VelocityScenario
 
@@ -30,6 +31,7 @@ from mcsim.scenario.velocity import VelocityScenario
 CASES: dict[str, type[CaseScenario]] = {
     "planar": PlanarScenario,
     "velocity": VelocityScenario,
+    "strapdown": StrapdownScenario,
 }
 
 

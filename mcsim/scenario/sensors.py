@@ -56,7 +56,7 @@ class BiasCalibration(Block):
 
 
 class Sensors(Block):
-    """The measured channels."""
+    """The measured channels: those of acceleration, and those of angular rate."""
 
     rate: Annotated[Frequency, Positive, Ge(0.1), Le(100_000.0)]
     """Output rate of the sensors."""

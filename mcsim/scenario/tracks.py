@@ -126,6 +126,10 @@ class Columns(Block):
     """Direction of movement, clockwise from north (compass) unless `angles` says otherwise."""
     heading: str | None = None
     """Direction of the vehicle's axis; the course is used where it is not given."""
+    roll: str | None = None
+    """Roll of the body, left side up positive; with `pitch` the attitude of a strapdown case."""
+    pitch: str | None = None
+    """Pitch of the body, positive as `pitch_positive` says."""
 
     @model_validator(mode="after")
     def _position_or_velocity(self) -> Columns:
@@ -144,6 +148,18 @@ class Columns(Block):
                 raise reject(f"{' and '.join(sources[0])} go together; `{name}` is missing")
         return self
 
+    @model_validator(mode="after")
+    def _roll_and_pitch(self) -> Columns:
+        if (self.roll is None) != (self.pitch is None):
+            missing = "roll" if self.roll is None else "pitch"
+            raise reject(f"roll and pitch go together; `{missing}` is missing")
+        return self
+
+    @property
+    def has_attitude(self) -> bool:
+        """Whether the body's attitude is recorded."""
+        return self.roll is not None
+
 
 class Recorded(_Track):
     """A recorded drive from a CSV file, smoothed into a consistent truth."""
@@ -155,6 +171,8 @@ class Recorded(_Track):
     """Which column holds what, in which unit."""
     angles: Literal["compass", "mathematical"] = "compass"
     """Course and heading: clockwise from north, or counter-clockwise from x."""
+    pitch_positive: Literal["nose_down", "nose_up"] = "nose_down"
+    """Which way the recorded pitch counts: as here (ISO 8855), or as in aviation."""
     smoothing: Annotated[Time, Ge(0.01), Le(1e4)] = 0.5
     """Time constant of the smoothing; slower motion passes, faster motion is noise."""
     start: Annotated[Time, NotNegative] = 0.0

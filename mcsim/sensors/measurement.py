@@ -21,6 +21,17 @@ _WIDE = 7.0
 
 
 @dataclass(frozen=True)
+class AtRest:
+    """A rest before the run that the run's start is taken from.
+
+    ``weights`` (e, c) of the channels' mean errors there, and their true signals (c,).
+    """
+
+    weights: Array
+    signals: Array
+
+
+@dataclass(frozen=True)
 class NormalWeights:
     """Linear errors per unit normal: of each sample (e, n + 1, c), of the constant offsets
     (e, c), of the mixing coefficients (e, m)."""
@@ -115,9 +126,11 @@ class Measurement:
     def arrays(self) -> tuple[Any, ...]:
         """Arguments of the kernels, from ``mix_to`` to ``resolutions``."""
         c = len(self.white)
+        if not self.innovations:
+            return plain_arguments(c)
         most = max((len(i.decay) for i in self.innovations), default=0)
         most = -(-most // 4) * 4  # the kernels take processes in fours
-        n = len(self.innovations[0].deviations) if self.innovations else 0
+        n = len(self.innovations[0].deviations)
         innovation, gains = np.zeros((n, c)), np.zeros((n, c, most))
         decay = np.zeros((c, most))
         for k, own in enumerate(self.innovations):
@@ -147,31 +160,41 @@ class Measurement:
             spread += float(np.sum(self.errors.spike_amplitudes[channel]))
         return float(np.max(np.abs(signals[:, channel]))) + spread
 
-    def fold(self, weights: Array, signals: Array) -> NormalWeights:
-        """Weights (e, n + 1, c) of the channels' errors as weights of their unit normals."""
+    def fold(self, weights: Array, signals: Array, at_rest: AtRest | None = None) -> NormalWeights:
+        """Weights (e, n + 1, c) of the channels' errors as weights of their unit normals.
+
+        Offsets and mixing act also ``at_rest`` before the run, where the case measures there.
+        """
         samples = weights * self.white
         if self.innovations:
             for k, own in enumerate(self.innovations):
                 samples[:, :, k] = folded(weights[:, :, k], own)
         return NormalWeights(
             samples=samples,
-            offsets=weights.sum(axis=1) * self.offsets,
-            mixing=self._mixing_weights(weights, signals),
+            offsets=_of_offsets(weights, at_rest) * self.offsets,
+            mixing=self._mixing_weights(weights, signals, at_rest),
         )
 
-    def _mixing_weights(self, weights: Array, signals: Array) -> Array:
+    def _mixing_weights(self, weights: Array, signals: Array, at_rest: AtRest | None) -> Array:
         """Linear errors (e, m) per unit normal of each mixing coefficient."""
-        columns = [
-            (weights[:, :, m.target] @ signals[:, m.source]) * m.deviation
-            for m in self.errors.mixing
-        ]
+        columns = []
+        for m in self.errors.mixing:
+            column = weights[:, :, m.target] @ signals[:, m.source]
+            if at_rest is not None:
+                column = column + at_rest.weights[:, m.target] * at_rest.signals[m.source]
+            columns.append(column * m.deviation)
         return np.stack(columns, axis=1) if columns else np.zeros((len(weights), 0))
 
-    def variances(self, weights: Array, signals: Array) -> Mapping[str, Array]:
-        """Variance (e,) of the linear errors by source, sensor elements told apart."""
+    def variances(
+        self, weights: Array, signals: Array, at_rest: AtRest | None = None
+    ) -> Mapping[str, Array]:
+        """Variance (e,) of the linear errors by source, sensor elements told apart.
+
+        Parameters as in ``fold``.
+        """
         errors = self.errors
         of_white = np.sum((weights * self.white) ** 2, axis=1)
-        of_offset = weights.sum(axis=1) ** 2
+        of_offset = _of_offsets(weights, at_rest) ** 2
         found: dict[str, Array] = {}
 
         def add(source: str, variance: Array) -> None:
@@ -193,13 +216,38 @@ class Measurement:
             if len(self.spike_thresholds):
                 probability = float(self.spike_thresholds[k]) * 2.0**-31
                 add(f"{element} spikes", each * probability * errors.spike_amplitudes[k] ** 2)
-        mixed = self._mixing_weights(weights, signals)
+        mixed = self._mixing_weights(weights, signals, at_rest)
         for column, entry in enumerate(errors.mixing):
             add(entry.term, mixed[:, column] ** 2)
         if len(self.jitter):
             common = np.einsum("enc,nc->en", weights, self.jitter)
             add("sample-time jitter", np.sum(common**2, axis=1))
         return found
+
+
+def plain_arguments(channels: int) -> tuple[Any, ...]:
+    """``Measurement.arrays`` where white noise and offsets are all there is."""
+    empty, whole = np.zeros(0), np.zeros(0, np.int64)
+    nothing = np.zeros((0, channels))
+    return (
+        whole,
+        whole,
+        empty,
+        nothing,
+        np.zeros((0, channels, 0)),
+        np.zeros((channels, 0)),
+        nothing,
+        np.zeros(0, np.uint32),
+        empty,
+        empty,
+        empty,
+    )
+
+
+def _of_offsets(weights: Array, at_rest: AtRest | None) -> Array:
+    """Linear errors (e, c) per constant offset."""
+    total = weights.sum(axis=1)
+    return total if at_rest is None else total + at_rest.weights
 
 
 def _spread(errors: ChannelErrors, signals: Array) -> Array:

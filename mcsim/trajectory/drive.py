@@ -157,6 +157,10 @@ class Drive:
             yaw_rate=signals[2],
         )
 
+    def heading(self, t: Array) -> Array:
+        """Heading at any time (rad)."""
+        return self.manoeuvre.motion(np.clip(t, 0.0, self.manoeuvre.duration)).heading
+
     def _signals(self, t: Array) -> Array:
         """Forward and left acceleration and yaw rate; zero on the straight."""
         signals = np.zeros((3, *t.shape))

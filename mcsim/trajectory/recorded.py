@@ -33,6 +33,8 @@ _KIND_OF = {
     "speed": "speed",
     "course": "angle",
     "heading": "angle",
+    "roll": "angle",
+    "pitch": "angle",
 }
 _FEWEST_ROWS = 8
 #: No time (Unix time in s), position or angle is larger (SI).
@@ -59,6 +61,8 @@ class Record:
     velocity_x: Array | None
     velocity_y: Array | None
     heading: Array | None
+    roll: Array | None = None
+    pitch: Array | None = None
 
 
 class RecordedManoeuvre:
@@ -86,6 +90,13 @@ class RecordedManoeuvre:
         self._acceleration = tuple(v.derivative() for v in self._velocity)
         self._heading = self._heading_spline(record, smoothing)
         self._yaw_rate = self._heading.derivative()
+        #: Splines of roll and pitch, if the record holds them.
+        self.attitude = None
+        if record.roll is not None and record.pitch is not None:
+            self.attitude = tuple(
+                _smooth(record.time, np.unwrap(angle), smoothing)
+                for angle in (record.roll, record.pitch)
+            )
         self._set_frame()
         ends = np.array([self.duration])
         vx, vy = (float(v(ends)[0]) for v in self._velocity)
@@ -146,7 +157,9 @@ def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
         The file cannot be read, lacks a column, holds text, runs backwards, or is too short.
     """
     path = folder / shape.file
-    record = read_record(path, shape.columns, shape.angles == "compass")
+    record = read_record(
+        path, shape.columns, shape.angles == "compass", shape.pitch_positive == "nose_up"
+    )
     t = record.time - record.time[0]
     keep = t >= shape.start
     if shape.duration is not None:
@@ -169,12 +182,14 @@ def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
             cut(record.velocity_x),
             cut(record.velocity_y),
             cut(record.heading),
+            cut(record.roll),
+            cut(record.pitch),
         ),
         shape.smoothing,
     )
 
 
-def read_record(path: Path, columns: Columns, compass: bool) -> Record:
+def read_record(path: Path, columns: Columns, compass: bool, nose_up: bool = False) -> Record:
     """Read and convert the columns of a CSV file.
 
     Raises
@@ -216,7 +231,10 @@ def read_record(path: Path, columns: Columns, compass: bool) -> Record:
         velocity_x = values["speed"] * np.cos(course)
         velocity_y = values["speed"] * np.sin(course)
     heading = turn(values["heading"]) if "heading" in values else None
-    return Record(time, x, y, velocity_x, velocity_y, heading)
+    pitch = values.get("pitch")
+    if pitch is not None and nose_up:
+        pitch = -pitch
+    return Record(time, x, y, velocity_x, velocity_y, heading, values.get("roll"), pitch)
 
 
 def fresh_fixes(time: Array, x: Array, y: Array) -> NDArray[np.bool_]:

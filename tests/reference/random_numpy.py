@@ -62,18 +62,18 @@ def normal_pair(radius_word, angle_word):
     return r * np.cos(angle), r * np.sin(angle)
 
 
-def constants(key: int, realizations) -> np.ndarray:
+def constants(key: int, realizations, stream: int = 1) -> np.ndarray:
     """The twelve normals that a realization draws once, (12, r)."""
     rows = []
     for block in range(3):
-        w = stream_words(key, realizations, 1, block)
+        w = stream_words(key, realizations, stream, block)
         rows += [*normal_pair(w[0], w[1]), *normal_pair(w[2], w[3])]
     return np.array(rows)
 
 
-def white_noise(key: int, realizations, samples: int) -> np.ndarray:
+def white_noise(key: int, realizations, samples: int, stream: int = 0) -> np.ndarray:
     """White noise (samples, 3, r) of samples 1 ... n, four samples drawn at a time."""
-    state = stream_words(key, realizations, 0, 0)
+    state = stream_words(key, realizations, stream, 0)
     rows = []
     for _ in range(-(-samples // 4) * 6):
         a, state = xoshiro(state)

@@ -1,0 +1,178 @@
+"""The planar algorithm on a vehicle that leans: three channels, taken for level.
+
+It is the planar case's own kernel on the strapdown case's truth, so that both algorithms
+reconstruct the same drive from the same random numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from mcsim.cases.lengths import length_quantile
+from mcsim.cases.planar import (
+    CHANNELS,
+    RATES,
+    PlanarProblem,
+    course_missing,
+    initial_deviations,
+    wrap,
+)
+from mcsim.cases.planar_linear import beyond_controls
+from mcsim.cases.problem import Array, History, LinearModel, Sample
+from mcsim.cases.strapdown import CHANNELS as ALL_CHANNELS
+from mcsim.cases.strapdown import sampled
+from mcsim.cases.strapdown_linear import position_moments
+from mcsim.scenario import StrapdownScenario
+from mcsim.sensors.error_model import channel_errors, per_interval
+from mcsim.trajectory import Motion
+from mcsim.trajectory.spatial import SpatialMotion, spatial_drive
+
+#: Places of the planar errors (along, across, position, heading, course) among the eight.
+_PLANAR = [0, 1, 3, 6, 7]
+_POSITION = 3
+
+
+@dataclass(frozen=True)
+class LevelProblem:
+    """A planar problem, and the attitude and height that it knows nothing of.
+
+    Roll and pitch are taken for zero, the height for that of the start; ``truth`` is the true
+    motion at the samples 0 ... n.
+    """
+
+    planar: PlanarProblem
+    truth: SpatialMotion
+    error_names: tuple[str, ...] = StrapdownScenario.ERRORS
+    percentiles: tuple[float, ...] = StrapdownScenario.PERCENTILES
+
+    @classmethod
+    def from_model(cls, model: StrapdownScenario, folder: Path) -> LevelProblem:
+        """Truth, sampling and error model of one point.
+
+        Raises
+        ------
+        InputError
+            No such track, or one that is shorter than a sample or absurdly long.
+        """
+        drive = spatial_drive(model, folder)
+        sensors = model.sensors
+        errors = channel_errors(sensors, CHANNELS, drive.drive.duration, model.body.gravity)
+        everything = channel_errors(sensors, ALL_CHANNELS, drive.drive.duration)
+        samples = sampled(drive, sensors.rate, sensors.sampling, everything.bandwidths)
+        planar = PlanarProblem(
+            signals=np.ascontiguousarray(samples.signals[:, :3]),
+            sensor_errors=per_interval(errors, RATES, 1.0 / sensors.rate),
+            initial_deviations=initial_deviations(model.initial),
+            truth=_flat(samples.truth, samples.signals),
+            interval=1.0 / sensors.rate,
+            trapezoidal=model.reconstruction.integration == "trapezoidal",
+            previous_share=0.0 if sensors.sampling == "average" else 0.5,
+            missing=course_missing(drive.drive),
+        )
+        return cls(planar, samples.truth)
+
+    @property
+    def missing(self) -> Mapping[str, str]:
+        return self.planar.missing
+
+    @property
+    def n_samples(self) -> int:
+        return self.planar.n_samples
+
+    @cached_property
+    def _unseen(self) -> Array:
+        """Errors (3, n + 1) of height, roll and pitch: what the algorithm takes for zero."""
+        height = self.truth.position[2]
+        attitude = self.truth.attitude
+        return np.stack([height[0] - height, -attitude.roll, -attitude.pitch])
+
+    def method_errors(self) -> Array:
+        return self._complete(self.planar.method_errors()[:, None], self._unseen[:, -1:])[:, 0]
+
+    @staticmethod
+    def _complete(planar: Array, unseen: Array) -> Array:
+        """Eight errors from the planar five and the three unseen ones."""
+        errors = np.empty((len(StrapdownScenario.ERRORS), *planar.shape[1:]))
+        errors[_PLANAR] = planar
+        errors[[2, 4, 5]] = unseen
+        errors[_POSITION] = np.sqrt(errors[0] ** 2 + errors[1] ** 2 + errors[2] ** 2)
+        return errors
+
+    def simulate(
+        self, key: int, first: int, count: int, controls: bool = False, net: int = 0
+    ) -> Sample:
+        sample = self.planar.simulate(key, first, count, controls, net)
+        errors = self._complete(sample.errors, self._unseen[:, -1:])
+        if not controls:
+            return Sample(errors, sample.controls)
+        method = self.method_errors()
+        linear = np.zeros_like(errors)
+        linear[_PLANAR] = sample.controls
+        place = method[:3, None] + linear[:3]
+        linear[_POSITION] = np.sqrt(np.sum(place**2, axis=0)) - method[_POSITION]
+        return Sample(errors, linear)
+
+    @cached_property
+    def linear(self) -> LinearModel:
+        planar, method = self.planar.linear, self.method_errors()
+        controls = self.planar.control_covariance
+        everything = controls + beyond_controls(controls, self.planar.variances_by_source)
+        place = _in_space(everything)
+        mean, second = _complete_moments(planar.mean, planar.second_moment, method, place)
+        control_mean, control_second = _complete_moments(
+            planar.control_mean, planar.control_second_moment, method, _in_space(controls)
+        )
+        variances = {source: np.zeros(8) for source in planar.variances}
+        for source, variance in planar.variances.items():
+            variances[source][_PLANAR] = variance
+        return LinearModel(
+            mean,
+            second,
+            control_mean,
+            control_second,
+            variances,
+            {_POSITION: lambda p: length_quantile(method[:3], place, p)},
+        )
+
+    def history(self, key: int, first: int, count: int) -> History:
+        history = self.planar.history(key, first, count)
+        unseen = np.broadcast_to(self._unseen[:, :, None], (3, *history.errors.shape[1:]))
+        errors = self._complete(history.errors, unseen)
+        return History(history.time, history.tracks, history.truth, errors)
+
+
+def _in_space(covariance: Array) -> Array:
+    """Covariance (3, 3) of along, across and height, which no sensor disturbs."""
+    place = np.zeros((3, 3))
+    place[:2, :2] = covariance[:2, :2]
+    return place
+
+
+def _complete_moments(
+    mean: Array, second: Array, method: Array, place: Array
+) -> tuple[Array, Array]:
+    """Moments (8,) from those of the five planar errors; the position's are in space."""
+    means, seconds = np.zeros(8), np.zeros(8)
+    means[_PLANAR], seconds[_PLANAR] = mean, second
+    means[_POSITION], seconds[_POSITION] = position_moments(method[:3], place)
+    return means, seconds
+
+
+def _flat(truth: SpatialMotion, signals: Array) -> Motion:
+    """The level frame's motion as the planar case holds it."""
+    heading = np.unwrap(wrap(truth.attitude.heading))
+    return Motion(
+        along=truth.position[0],
+        across=truth.position[1],
+        velocity_along=truth.velocity[0],
+        velocity_across=truth.velocity[1],
+        heading=heading,
+        forward=signals[:, 0],
+        left=signals[:, 1],
+        yaw_rate=signals[:, 2],
+    )

@@ -1,0 +1,350 @@
+"""The strapdown case: a scenario's point as arrays for the strapdown kernel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from mcsim.cases.nets import net_normals
+from mcsim.cases.planar import CHANNELS as PLANAR_CHANNELS
+from mcsim.cases.planar import course_missing, sample_count, wrap
+from mcsim.cases.problem import Array, History, LinearModel, Sample
+from mcsim.cases.strapdown_linear import Weights, linear_model, linear_weights
+from mcsim.kernels import strapdown as kernel
+from mcsim.scenario import StrapdownScenario
+from mcsim.sensors.error_model import (
+    ACCELEROMETER,
+    GYROSCOPE,
+    Channel,
+    ChannelErrors,
+    channel_errors,
+    per_interval,
+)
+from mcsim.sensors.low_pass import behind_low_pass
+from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights
+from mcsim.sensors.sampling import Signals, sample
+from mcsim.trajectory.spatial import SpatialDrive, SpatialMotion, spatial_drive
+
+#: The planar case's channels, then those that it does not have: up, roll rate, pitch rate.
+CHANNELS = (
+    *PLANAR_CHANNELS,
+    Channel(ACCELEROMETER, 2),
+    Channel(GYROSCOPE, 0),
+    Channel(GYROSCOPE, 1),
+)
+_TURNS = [2, 4, 5]
+_RATES = (False, False, True, False, True, True)
+_METHODS = {
+    "rectangular": kernel.RECTANGULAR,
+    "forward_euler": kernel.FORWARD_EULER,
+    "trapezoidal": kernel.TRAPEZOIDAL,
+    "two_sample": kernel.TWO_SAMPLE,
+}
+_STILL = 1e-9
+
+
+@dataclass(frozen=True)
+class StrapdownProblem:
+    """Arrays and numbers of the strapdown kernel; see ``mcsim.kernels.strapdown.simulate``.
+
+    ``signals`` (n + 1, 6) are true samples, with turns per interval in the place of rates, as
+    in all sensor errors; ``initial_deviations`` (24,) are those of initial errors, in the
+    places of the kernel's constants; ``truth`` is the true motion at the samples 0 ... n.
+    """
+
+    signals: Array
+    sensor_errors: ChannelErrors
+    initial_deviations: Array
+    truth: SpatialMotion
+    rest: Array
+    levelled: bool
+    gravity: float
+    interval: float
+    method: int
+    previous_share: float
+    missing: Mapping[str, str]
+    error_names: tuple[str, ...] = StrapdownScenario.ERRORS
+    percentiles: tuple[float, ...] = StrapdownScenario.PERCENTILES
+
+    @classmethod
+    def from_model(cls, model: StrapdownScenario, folder: Path) -> StrapdownProblem:
+        """Truth, sampling and error model of one point.
+
+        Raises
+        ------
+        InputError
+            No such track, or one that is shorter than a sample or absurdly long.
+        """
+        drive = spatial_drive(model, folder)
+        sensors = model.sensors
+        errors = channel_errors(sensors, CHANNELS, drive.drive.duration)
+        samples = sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
+        errors = per_interval(errors, _RATES, 1.0 / sensors.rate)
+        return cls(
+            signals=samples.signals,
+            sensor_errors=errors,
+            initial_deviations=_initial_deviations(model, errors.white),
+            truth=samples.truth,
+            rest=drive.at_rest(-drive.drive.lead),
+            levelled=model.initial.levelling is not None,
+            gravity=model.body.gravity,
+            interval=1.0 / sensors.rate,
+            method=_METHODS[model.reconstruction.integration],
+            previous_share=0.0 if sensors.sampling == "average" else 0.5,
+            missing=course_missing(drive.drive),
+        )
+
+    @property
+    def n_samples(self) -> int:
+        return len(self.signals) - 1
+
+    @cached_property
+    def weights(self) -> Weights:
+        """First-order weights of all disturbances."""
+        return linear_weights(
+            self._rows,
+            self._start,
+            self.rest,
+            self.levelled,
+            self.gravity,
+            self.interval,
+            self.method,
+            self.previous_share,
+        )
+
+    @cached_property
+    def measurement(self) -> Measurement:
+        """The sensor errors as the kernel takes them."""
+        return Measurement.of(self.sensor_errors, self._rows, self.interval)
+
+    @cached_property
+    def _at_rest(self) -> AtRest:
+        forward, left, up = self.rest
+        return AtRest(self.weights.at_rest, np.array([forward, left, 0.0, up, 0.0, 0.0]))
+
+    @cached_property
+    def normal_weights(self) -> NormalWeights:
+        """Linear errors per unit normal of the sensors' random numbers."""
+        return self.measurement.fold(self.weights.samples, self._rows, self._at_rest)
+
+    @cached_property
+    def linear(self) -> LinearModel:
+        weights = self.weights
+        by_source = {
+            **self.measurement.variances(weights.samples, self._rows, self._at_rest),
+            **weights.variances(self.initial_deviations),
+        }
+        initial = weights.initial * self.initial_deviations
+        covariance = self.normal_weights.covariance + initial @ initial.T
+        return linear_model(covariance, by_source, self.method_errors())
+
+    @cached_property
+    def _rows(self) -> Array:
+        """The samples as the integrator takes them: the forward Euler rule is one behind."""
+        if self.method != kernel.FORWARD_EULER:
+            return self.signals
+        return np.concatenate([self.signals[:1], self.signals[:-1]])
+
+    @cached_property
+    def _start(self) -> Array:
+        truth = self.truth
+        horizontal, upwards = np.hypot(*truth.velocity[:2, 0]), truth.velocity[2, 0]
+        attitude = truth.attitude
+        return np.array(
+            [
+                *truth.position[:, 0],
+                math.hypot(horizontal, upwards),
+                math.atan2(upwards, horizontal),
+                attitude.roll[0],
+                attitude.pitch[0],
+                attitude.heading[0],
+                truth.course[0],
+            ]
+        )
+
+    @cached_property
+    def _end(self) -> Array:
+        attitude = self.truth.attitude
+        course = math.nan if "course" in self.missing else self.truth.course[-1]
+        angles = (attitude.roll[-1], attitude.pitch[-1], attitude.heading[-1], course)
+        return np.array([*self.truth.position[:, -1], *angles])
+
+    @cached_property
+    def _method_errors(self) -> Array:
+        errors, _ = self._run(0, 0, 1, disturbed=False)
+        return errors[:, 0]
+
+    def method_errors(self) -> Array:
+        return self._method_errors
+
+    def simulate(
+        self, key: int, first: int, count: int, controls: bool = False, net: int = 0
+    ) -> Sample:
+        errors, linear = self._run(key, first, count, with_linear=controls, net=net)
+        if not controls:
+            return Sample(errors, linear)
+        return Sample(errors, self._controls(linear))
+
+    def _controls(self, linear: Array) -> Array:
+        """Controls (8, r) from linear errors (7, r)."""
+        method = self.method_errors()[:3]
+        along, across, height, course, roll, pitch, heading = linear
+        length = np.sqrt(np.sum((method[:, None] + linear[:3]) ** 2, axis=0))
+        position = length - np.linalg.norm(method)
+        return np.stack([along, across, height, position, roll, pitch, heading, course])
+
+    def history(self, key: int, first: int, count: int) -> History:
+        states = np.empty((kernel.HISTORY_ROWS, self.n_samples + 1, count))
+        self._run(key, first, count, history=states)
+        truth = self.truth
+        errors = states[:3] - truth.position[:, :, None]
+        return History(
+            time=np.arange(self.n_samples + 1, dtype=float) * self.interval,
+            tracks=states[:2],
+            truth=truth.position[:2],
+            errors=np.concatenate(
+                [
+                    errors,
+                    np.sqrt(np.sum(errors**2, axis=0))[None],
+                    wrap(states[6:9] - _angles(truth)[:, :, None]),
+                    self._course_errors(states)[None],
+                ]
+            ),
+        )
+
+    def _course_errors(self, states: Array) -> Array:
+        course = np.arctan2(states[4], states[3]) - self.truth.course[:, None]
+        speed = np.hypot(*self.truth.velocity[:2])
+        course[speed <= _STILL * np.max(speed)] = np.nan
+        if "course" in self.missing:
+            course[-1] = np.nan
+        return wrap(course)
+
+    def _run(
+        self,
+        key: int,
+        first: int,
+        count: int,
+        disturbed: bool = True,
+        with_linear: bool = False,
+        history: Array | None = None,
+        net: int = 0,
+    ) -> tuple[Array, Array]:
+        """Errors (8, count) and linear errors (7, count or 0)."""
+        errors = np.empty((kernel.ERRORS, count))
+        linear = np.empty((kernel.LINEAR_ERRORS, count if with_linear else 0))
+        samples, constants = self._kernel_weights if with_linear else (_NOTHING, _NOTHING)
+        m = self.measurement if disturbed else Measurement.none(self.sensor_errors)
+        drawn = kernel.N_CONSTANTS + -(-len(m.mix_to) // 4) * 4
+        kernel.simulate(
+            np.uint64(key),
+            np.uint64(first),
+            count,
+            self._rows,
+            m.white,
+            self._deviations(m) if disturbed else np.zeros(kernel.N_CONSTANTS),
+            self._start,
+            self._end,
+            self.rest,
+            self.levelled,
+            self.gravity,
+            self.interval,
+            self.method,
+            self.previous_share,
+            float(np.linalg.norm([m.largest(self.signals, turn) for turn in _TURNS])),
+            samples,
+            constants,
+            errors,
+            linear,
+            np.empty((0, 0, 0)) if history is None else history,
+            net_normals(key, first, count, net, drawn) if net else _NONE_GIVEN,
+            *m.arrays,
+        )
+        return errors, linear
+
+    def _deviations(self, m: Measurement) -> Array:
+        """Standard deviations (24,) of the constants, in the kernel's order."""
+        deviations = self.initial_deviations.copy()
+        deviations[_OFFSETS] = m.offsets
+        if self.method != kernel.FORWARD_EULER:
+            deviations[_FIRST] = m.white
+        return deviations
+
+    @cached_property
+    def _kernel_weights(self) -> tuple[Array, Array]:
+        """Weights laid out for the kernel: four errors of all channels, three of the turns."""
+        w = self.normal_weights
+        channels = np.moveaxis(w.samples[:4], 0, 1).reshape(-1, 24)
+        turns = np.moveaxis(w.samples[4:][:, :, _TURNS], 0, 1).reshape(-1, 9)
+        constants = np.zeros((7, kernel.N_CONSTANTS + w.mixing.shape[1]))
+        constants[:, : kernel.N_CONSTANTS] = self.weights.initial * self.initial_deviations
+        constants[:, _OFFSETS] = w.offsets
+        constants[:, _FIRST] = w.samples[:, 0]
+        constants[:, kernel.N_CONSTANTS :] = w.mixing
+        return np.column_stack([channels, turns]), constants
+
+
+_NOTHING = np.zeros((0, 0))
+_NONE_GIVEN = np.zeros((0, 0), np.float32)
+#: Constants of the channels' offsets and of their noise at sample 0, in channel order.
+_OFFSETS = [0, 1, 2, kernel.SPATIAL, kernel.SPATIAL + 1, kernel.SPATIAL + 2]
+_FIRST = [
+    *range(kernel.FIRST_PLANAR, kernel.FIRST_PLANAR + 3),
+    *range(kernel.FIRST_SPATIAL, kernel.FIRST_SPATIAL + 3),
+]
+
+
+def _angles(truth: SpatialMotion) -> Array:
+    attitude = truth.attitude
+    return np.stack([attitude.roll, attitude.pitch, attitude.heading])
+
+
+def _per_interval(rate: float) -> Array:
+    """Factors (6,) from rates to turns per interval."""
+    factors = np.ones(kernel.CHANNELS)
+    factors[_TURNS] = 1.0 / rate
+    return factors
+
+
+def _initial_deviations(model: StrapdownScenario, white: Array) -> Array:
+    """Standard deviations (24,) of the initial errors, in the places of the kernel's constants."""
+    initial = model.initial
+    deviations = np.zeros(kernel.N_CONSTANTS)
+    deviations[kernel.SPEED] = initial.speed_error
+    deviations[kernel.DIRECTION] = initial.direction_error
+    deviations[kernel.HEADING] = initial.heading_error
+    deviations[kernel.COURSE] = initial.course_error
+    deviations[kernel.ROLL] = math.hypot(initial.tilt_error, initial.roll_error)
+    deviations[kernel.PITCH] = math.hypot(initial.tilt_error, initial.pitch_error)
+    if initial.levelling is not None:
+        averaged = max(1, round(initial.levelling.duration * model.sensors.rate))
+        deviations[kernel.REST : kernel.REST + 3] = white[[0, 1, 3]] / math.sqrt(averaged)
+    return deviations
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Ideal samples (n + 1, 6), rates as turns per interval, and the truth at their times."""
+
+    signals: Array
+    truth: SpatialMotion
+
+
+@lru_cache(maxsize=64)
+def sampled(
+    drive: SpatialDrive, rate: float, method: str, bandwidths: tuple[float, ...]
+) -> Samples:
+    """What does not change while only sensor errors are swept."""
+    plane = drive.drive
+    count = sample_count(plane, rate)
+    ideal: Signals = drive.signals
+    if not all(map(math.isinf, bandwidths)):
+        ideal = behind_low_pass(ideal, bandwidths, -plane.lead, rate, count)
+    signals = sample(ideal, -plane.lead, rate, count, method).T
+    truth = drive.motion(-plane.lead + np.arange(count + 1) / rate)
+    return Samples(np.ascontiguousarray(signals * _per_interval(rate)), truth)

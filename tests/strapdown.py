@@ -1,0 +1,103 @@
+"""Scenarios of the strapdown case, and its kernel without a scenario around it."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mcsim import Scenario
+from mcsim.cases import problem_of
+from mcsim.kernels import strapdown as kernel
+from mcsim.sensors.measurement import plain_arguments
+from mcsim.units import STANDARD_GRAVITY
+from tests.conftest import ALL_ERRORS, BASE
+
+#: A body that answers accelerations, on a road that slopes both ways.
+LEANING = {
+    "body.roll.gradient": "0.3 °/(m/s²)",
+    "body.pitch.gradient": "0.2 °/(m/s²)",
+    "body.bank": "3 °",
+    "body.grade": "4 °",
+}
+EVERYTHING = {
+    **ALL_ERRORS,
+    **LEANING,
+    "trajectory.deceleration": "1 m/s^2",
+    "initial.heading_error": "0.2 °",
+    "initial.course_error": "0.3 °",
+    "initial.roll_error": "0.1 °",
+    "initial.pitch_error": "0.2 °",
+}
+#: Constants of the channels' offsets and of their noise at sample 0.
+OFFSETS = [0, 1, 2, 12, 13, 14]
+FIRST = [8, 9, 10, 20, 21, 22]
+RULES = ("rectangular", "forward_euler", "trapezoidal", "two_sample")
+METHODS = dict(zip(RULES, range(4), strict=True))
+#: The three channels and their constants that the planar case does not have.
+SPATIAL_CHANNELS = slice(3, 6)
+
+
+def scenario(overrides: dict[str, Any] | None = None) -> Scenario:
+    """The planar base scenario in space, with some values replaced."""
+    tree = copy.deepcopy(BASE) | {"case": "strapdown"}
+    return Scenario.from_dict(tree, "base", overrides=overrides or {})
+
+
+def problem(overrides: dict[str, Any] | None = None, folder: Path = Path()):
+    """The problem of that scenario."""
+    return problem_of(scenario(overrides).base, folder)
+
+
+def constants_of(p):
+    """Standard deviations (24,) of what the kernel draws once per realization."""
+    return p._deviations(p.measurement)
+
+
+def with_errors(p, white, deviations):
+    """The same problem with other deviations of noise (6,) and of constants (24,)."""
+    initial = np.where(np.isin(np.arange(24), OFFSETS + FIRST), 0.0, deviations)
+    errors = replace(
+        p.sensor_errors,
+        white=white,
+        miscalibration=deviations[OFFSETS],
+        turn_on_bias=np.zeros(6),
+        gravity_bias=np.zeros(6),
+    )
+    return replace(p, sensor_errors=errors, initial_deviations=initial)
+
+
+def run_kernel(signals, initial, interval, rule, share=0.5, gravity=STANDARD_GRAVITY):
+    """States (9, n + 1) that ideal samples (n + 1, 6) are integrated to."""
+    method = METHODS[rule]
+    turns = np.linalg.norm(np.max(np.abs(signals[:, [2, 4, 5]]), axis=0))
+    rows = signals if rule != "forward_euler" else np.concatenate([signals[:1], signals[:-1]])
+    history = np.empty((kernel.HISTORY_ROWS, len(signals), 1))
+    kernel.simulate(
+        np.uint64(0),
+        np.uint64(0),
+        1,
+        rows,
+        np.zeros(kernel.CHANNELS),
+        np.zeros(kernel.N_CONSTANTS),
+        initial,
+        np.zeros(7),
+        np.zeros(3),
+        False,
+        gravity,
+        interval,
+        method,
+        share,
+        turns,
+        np.zeros((0, 0)),
+        np.zeros((0, 0)),
+        np.empty((kernel.ERRORS, 1)),
+        np.empty((kernel.LINEAR_ERRORS, 0)),
+        history,
+        np.zeros((0, 0), np.float32),
+        *plain_arguments(kernel.CHANNELS),
+    )
+    return history[:, :, 0]
