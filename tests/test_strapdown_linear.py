@@ -9,7 +9,7 @@ from scipy import stats
 from scipy.integrate import quad
 
 from mcsim.cases.lengths import length_quantile, mean_length
-from tests.strapdown import EVERYTHING, RULES, constants_of, problem, with_errors
+from tests.strapdown import EVERYTHING, LEANING, RULES, constants_of, problem, with_errors
 
 #: Errors in the order of the weights: along, across, height, course, roll, pitch, heading.
 ORDER = [0, 1, 2, 7, 4, 5, 6]
@@ -188,3 +188,79 @@ def test_mean_length_in_space():
     assert mean_length(centre, covariance) == pytest.approx(
         lengths.mean(), abs=5 * lengths.std() / 1000
     )
+
+
+# The sensors' error terms, which every case measures with
+
+
+TERMS = {
+    "accelerometer scale factor": {"sensors.accelerometer.scale_factor_error": "0.2 %"},
+    "gyroscope scale factor": {"sensors.gyroscope.scale_factor_error": "0.5 %"},
+    "accelerometer misalignment": {"sensors.accelerometer.misalignment": "0.1 °"},
+    "gyroscope misalignment": {"sensors.gyroscope.misalignment": "1 °"},
+    "gyroscope g-sensitivity": {"sensors.gyroscope.g_sensitivity": "0.005 °/s/g"},
+    "accelerometer turn-on bias": {"sensors.accelerometer.turn_on_bias": "1 mg"},
+    "accelerometer bias instability": {"sensors.accelerometer.bias_instability": "1 mg"},
+    "gyroscope random walk": {"sensors.gyroscope.rate_random_walk": "0.01 °/s/√s"},
+    "gyroscope Gauss-Markov drift": {
+        "sensors.gyroscope.gauss_markov": {"deviation": "0.02 °/s", "correlation_time": "3 s"}
+    },
+    "gyroscope spikes": {"sensors.gyroscope.spikes": {"rate": "2 Hz", "amplitude": "0.3 °/s"}},
+    "sample-time jitter": {"sensors.time_jitter": "0.1 ms"},
+}
+SILENT = {
+    "sensors.accelerometer.noise_density": "0 m/s^2/√Hz",
+    "sensors.gyroscope.noise_density": "0 °/s/√Hz",
+}
+
+
+@pytest.mark.parametrize("rule", ["rectangular", "forward_euler", "two_sample"])
+@pytest.mark.parametrize("source", TERMS)
+def test_each_error_term_alone_has_the_linear_models_deviation(source, rule):
+    n = 10_000
+    values = {**SILENT, **LEANING, **TERMS[source], "reconstruction.integration": rule}
+    p = problem(values)
+    deviation = (p.simulate(7, 0, n).errors - p.method_errors()[:, None]).std(axis=1)
+    expected = np.sqrt(p.linear.variances[source])
+    # Beside the sampling error, terms of second order show where the first order vanishes.
+    for rows in ([0, 1, 2], [4, 5, 6, 7]):
+        np.testing.assert_allclose(
+            deviation[rows],
+            expected[rows],
+            rtol=5 / np.sqrt(2 * n) + 0.01,
+            atol=0.02 * expected[rows].max(),
+        )
+
+
+def test_misaligned_accelerometers_level_the_attitude_wrongly():
+    """The tilt of a misaligned axis is levelled away: the track hardly sees gravity."""
+    n = 10_000
+    values = {**SILENT, "sensors.accelerometer.misalignment": "0.5 °"}
+    levelled = problem({**values, "initial.levelling": {"duration": "1 s"}})
+    errors = levelled.simulate(3, 0, n).errors
+    roll = errors[4].std()
+    assert np.degrees(roll) == pytest.approx(0.5, rel=5 / np.sqrt(2 * n) + 0.01)
+    expected = np.sqrt(levelled.linear.second_moment)
+    np.testing.assert_allclose(errors[:2].std(axis=1), expected[:2], rtol=0.05)
+    assert errors[0].std() < 0.2 * problem(values).simulate(3, 0, n).errors[0].std()
+
+
+@pytest.mark.parametrize("rule", ["rectangular", "two_sample"])
+def test_controls_hold_for_all_error_terms(rule):
+    controlled = {
+        path: value
+        for name, term in TERMS.items()
+        if "spikes" not in name and "jitter" not in name
+        for path, value in term.items()
+    }
+    levelling = {"initial.levelling": {"duration": "1 s"}}
+    p = problem({**LEANING, **controlled, **levelling, "reconstruction.integration": rule})
+    sample = p.simulate(11, 0, 10_000, controls=True)
+    u = sample.errors - p.method_errors()[:, None]
+    residual = (u - sample.controls).std(axis=1) / u.std(axis=1)
+    assert (residual < 0.05).all()
+    parts = [p.simulate(11, first, 100, controls=True) for first in (0, 100)]
+    both = np.concatenate([part.errors for part in parts], axis=1)
+    np.testing.assert_array_equal(both, sample.errors[:, :200])
+    nets = p.simulate(11, 0, 4096, net=64).errors.std(axis=1)
+    np.testing.assert_allclose(nets, sample.errors.std(axis=1), rtol=0.1)
