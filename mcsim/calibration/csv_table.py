@@ -36,7 +36,7 @@ class CsvTable:
         InputError
             Text, nothing, or a number that is not finite.
         """
-        text = row.cells[column].strip()
+        text = row.cells[column].strip().replace("\N{MINUS SIGN}", "-")
         try:
             value = float(text)
         except ValueError:
@@ -80,6 +80,8 @@ def read_table(path: Path, needed: tuple[str, ...], optional: tuple[str, ...] = 
         names.append(name)
         factors[name] = _factor(path, first, name, match[2] if match else None)
     missing = [name for name in needed if name not in names]
+    if missing and ";" in ",".join(header):
+        raise InputError(f"{path}, line {first}: separate the columns by commas, not semicolons")
     if missing:
         raise InputError(
             f"{path}, line {first}: column {', '.join(missing)} is missing; "
@@ -88,7 +90,7 @@ def read_table(path: Path, needed: tuple[str, ...], optional: tuple[str, ...] = 
         )
     rows = []
     for n, cells in lines[1:]:
-        if len(cells) < len(names):
+        if len(cells) < len(names) or any(map(str.strip, cells[len(names) :])):
             raise InputError(
                 f"{path}, line {n}: {len(cells)} values, but the header names {len(names)} columns"
             )

@@ -94,6 +94,7 @@ def read_six_positions(path: Path) -> SixPositions:
     samples: dict[str, dict[str, list[list[float]]]] = {}
     for row in table.rows:
         text = row.cells["position"].strip().lower().replace("_", "").replace(" ", "")
+        text = text.replace("\N{MINUS SIGN}", "-")
         position = _SPELLINGS.get(text, text)
         if position not in POSITIONS:
             raise InputError(
@@ -145,11 +146,12 @@ def _check_positions(path: Path, means: Array) -> None:
                         "the sensor was not turned between them, or one was written twice"
                     )
         for k, axis in enumerate(AXES):
-            if mean[2 * k, k] - mean[2 * k + 1, k] < 2 * _SMALLEST_SENSITIVITY:
+            up, down, level = mean[2 * k, k], mean[2 * k + 1, k], np.median(mean[:, k])
+            if up - level < _SMALLEST_SENSITIVITY or level - down < _SMALLEST_SENSITIVITY:
                 raise InputError(
-                    f"{path}: axis {axis} reads {mean[2 * k, k]:.3g} g pointing up and "
-                    f"{mean[2 * k + 1, k]:.3g} g pointing down; about +1 and −1 are expected: "
-                    "are positions or axes interchanged?"
+                    f"{path}: axis {axis} reads {up:.3g} g pointing up, {down:.3g} g pointing down "
+                    f"and {level:.3g} g level; about +1, -1 and 0 are expected: are positions or "
+                    "axes interchanged?"
                 )
 
 
@@ -161,12 +163,11 @@ def calibrate(test: SixPositions) -> SixPositionFit:
     InputError
         The matrix cannot be inverted.
     """
-    repetitions = len(test.means)
-    design = np.tile(_DESIGN, (repetitions, 1))
+    design = np.tile(_DESIGN, (len(test.means), 1))
     outputs = test.means.reshape(-1, 3)
     parameters, *_ = np.linalg.lstsq(design, outputs, rcond=None)
     residuals = outputs - design @ parameters
-    u_matrix, u_bias, freedom = _uncertainties(design, residuals)
+    u_matrix, u_bias, freedom = _uncertainties(residuals)
     matrix, bias = parameters[:3].T, parameters[3]
     correction = _inverse(matrix)
     # dL = -L dM L: elements of M err independently.
@@ -185,22 +186,24 @@ def calibrate(test: SixPositions) -> SixPositionFit:
     )
 
 
-def _uncertainties(design: Array, residuals: Array) -> tuple[Array, Array, float]:
+def _uncertainties(residuals: Array) -> tuple[Array, Array, float]:
     """Standard uncertainties of M0 (3, 3) and B (3,), and their degrees of freedom.
 
     A position that misses the vertical by a small angle changes the outputs of the two level
     axes, and hardly that of the upright one.  So an axis' variance is taken from the positions
     in which it is level; for those in which it is upright this errs on the safe side.
     """
-    solve = np.linalg.pinv(design)
-    maker = np.eye(len(design)) - design @ solve
+    repetitions = len(residuals) // 6
+    solve = np.linalg.pinv(_DESIGN)
+    hat = _DESIGN @ solve
     u = np.empty((3, 4))
     for axis in range(3):
-        level = np.abs(design[:, axis]) < 0.5
+        level = np.abs(_DESIGN[:, axis]) < 0.5
         # Expected sum of squares of the level residuals per unit variance of level rows.
-        freedom = float(np.sum(maker[level][:, level] ** 2))
-        variance = np.sum(residuals[level, axis] ** 2) / freedom
-        u[axis] = np.sqrt(variance * np.sum(solve**2, axis=1))
+        own = hat[level][:, level]
+        freedom = float(repetitions * level.sum() - 2.0 * np.trace(own) + np.sum(own**2))
+        variance = np.sum(residuals[np.tile(level, repetitions), axis] ** 2) / freedom
+        u[axis] = np.sqrt(variance * np.sum(solve**2, axis=1) / repetitions)
     return u[:, :3], u[:, 3], freedom
 
 

@@ -16,12 +16,14 @@ from mcsim.cases.velocity_linear import VelocityWeights, velocity_linear_model, 
 from mcsim.errors import InputError
 from mcsim.scenario import VelocityScenario
 from mcsim.scenario.velocity import Bias, Calibration, Number
-from mcsim.trajectory.straight_run import RunMotion, interval_means, run_motion
+from mcsim.trajectory.straight_run import RunMotion, run_motion, within_intervals
 
 #: Errors per instant: velocity of a run, of the mean, standard deviation of the runs.
 PER_INSTANT = 3
 _MOST_STEPS = 20_000_000
 _MOST_TRACKS = 1000
+#: Beyond a jump of the acceleration (s).
+_JUST_AFTER = 1e-7
 _TILT_ORDERS = ("first", "second", "exact")
 _NOTHING = np.zeros((0, 0))
 _NONE_GIVEN = np.zeros((0, 0), np.float32)
@@ -65,9 +67,8 @@ class VelocityProblem:
         interval = 1.0 / sensor.rate
         times = np.arange(n + 1, dtype=float) / sensor.rate
         motion = run_motion(model.trajectory, times)
-        sampled = motion if sensor.sampling == "none" else interval_means(model.trajectory, times)
         at_rest = RunMotion(*(np.zeros(1),) * 3, np.full(1, model.trajectory.mounting_angle))
-        raw = raw_output(sampled, model.calibration, gravity.estimate)
+        raw = _samples(model, times)
         (rest,) = raw_output(at_rest, model.calibration, gravity.estimate)
         white = np.array([sensor.noise.x, sensor.noise.y, sensor.noise.z])
         samples = max(1, math.floor(model.trajectory.rest * sensor.rate * (1.0 + 1e-12)))
@@ -77,7 +78,7 @@ class VelocityProblem:
             *(c.bx, c.by, c.bz),
         ]
         return cls(
-            raw=np.ascontiguousarray(raw[:n]),
+            raw=np.ascontiguousarray(raw),
             truth=motion.velocity,
             inputs=np.array([*(q.estimate for q in numbers), *rest, 0.0, gravity.estimate]),
             uncertainties=np.array(
@@ -212,6 +213,22 @@ class VelocityProblem:
         return errors, linear
 
 
+def _samples(model: VelocityScenario, times: Array) -> Array:
+    """Undisturbed raw output (n, 3) for the intervals between ``n + 1`` times."""
+    run, gravity = model.trajectory, model.gravity.estimate
+    if model.sensor.sampling == "none":
+        return raw_output(run_motion(run, times[:-1] + _JUST_AFTER), model.calibration, gravity)
+    motion, weights = within_intervals(run, times)
+    flat = RunMotion(
+        motion.velocity.ravel(),
+        motion.acceleration.ravel(),
+        motion.vertical.ravel(),
+        motion.tilt.ravel(),
+    )
+    outputs = raw_output(flat, model.calibration, gravity).reshape(len(times) - 1, -1, 3)
+    return np.einsum("nkc,k->nc", outputs, weights)
+
+
 def raw_output(motion: RunMotion, calibration: Calibration, gravity: float) -> Array:
     """Undisturbed raw output (n, 3) in fractions of g, Eq. (2) and (6)-(7).
 
@@ -251,6 +268,18 @@ def step_count(model: VelocityScenario) -> int:
         An instant earlier than the first sample, or an absurdly long run.
     """
     rate = model.sensor.rate
+    if model.trajectory.rest * rate < 1.0 - 1e-9:
+        raise InputError(
+            f"trajectory.rest: {model.trajectory.rest:g} s hold no sample; the initial tilt needs "
+            f"at least one sampling interval, {1.0 / rate:.4g} s"
+        )
+    for instant in model.instants or ():
+        steps = instant * rate
+        if abs(steps - round(steps)) > 1e-6 * max(steps, 1.0):
+            raise InputError(
+                f"instants: {instant:g} s is not a multiple of the sampling interval; the nearest "
+                f"are {math.floor(steps) / rate:.6g} s and {math.ceil(steps) / rate:.6g} s"
+            )
     if _steps_until(model.reported[0], rate) < 1:
         raise InputError(
             f"sensor.rate: {model.reported[0]:g} s after the start is less than one sampling "

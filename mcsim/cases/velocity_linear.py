@@ -59,9 +59,9 @@ class VelocityWeights:
         noise = np.cumsum(np.sum(self.steps[:, :3] ** 2, axis=1))
         time = self.steps[:, 3]
         if self.stamps:
-            # A stamp ends one interval and begins the next; the last one only ends.
+            # A stamp ends one interval and begins the next; the first and the last do one only.
             inner = np.append(0.0, np.cumsum(np.diff(time) ** 2))
-            times = inner + time**2
+            times = time[0] ** 2 + inner + time**2
         else:
             times = np.cumsum(time**2)
         return {NOISE: noise[self.counts - 1], TIME_BASE: times[self.counts - 1]}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from mcsim.cli.names import refuse_same_names
 from mcsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,10 +43,13 @@ def budget(
             )
         if scenario.axes:
             raise InputError(f"{path}: sweep: a budget is of one point; remove the sweep")
+        if scenario.base.runs < 2:
+            raise InputError(f"{path}: runs: Eq. (31) compares repeated runs; write at least 2")
         if scenario.base.budget is None:
             raise InputError(
                 f"{path}: budget: is missing; write `budget: {{output: …, rest_x: …, rest_z: …}}`"
             )
+    refuse_same_names(read)
     for scenario in read:
         words = write_budget(scenario, output / f"{scenario.name}-budget")
         if not quiet:

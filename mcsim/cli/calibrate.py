@@ -81,7 +81,7 @@ def calibrate(
 
         click.echo(budget_summary(table))
         click.echo(
-            f"{fit.freedom:.1f} degrees of freedom, largest residual "
+            f"{fit.freedom:.1f} degrees of freedom (Student's t), largest residual "
             f"{abs(fit.residuals).max():.2g} g\n{folder / 'calibration.yaml'}"
         )
 
@@ -109,7 +109,9 @@ def linearity(file: Path, full_scale: str | None, seed: int, output: Path, quiet
     if not quiet:
         click.echo(
             f"slope {fit.slope:.6g}, offset {fit.offset:.3g} g, non-linearity "
-            f"{1e6 * fit.nonlinearity:.0f} ppm of {fit.full_scale:g} g\n{folder / 'linearity.png'}"
+            f"{1e6 * fit.nonlinearity:.0f} ppm of {fit.full_scale:g} g\n"
+            f"its part of u(lxx), Eq. (34): {fit.scale_uncertainty(0.0):.2g}\n"
+            f"{folder / 'linearity.png'}"
         )
 
 
@@ -121,6 +123,8 @@ def linearity_of(file: Path, full_scale: str | None, seed: int) -> LinearityFit:
     from mcsim.units import KINDS, parse
 
     if file.suffix.lower() in _SCENARIO_ENDINGS:
+        if full_scale is not None:
+            raise InputError("--full-scale: the scenario brings its own, shaker.full_scale")
         return _simulated_linearity(file, _velocity(file), seed)
     if full_scale is None:
         raise InputError("--full-scale: is missing; write for example --full-scale '15 g'")

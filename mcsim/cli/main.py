@@ -14,6 +14,7 @@ from mcsim.cli.budget import budget
 from mcsim.cli.calibrate import calibrate, linearity
 from mcsim.cli.characterise import characterise
 from mcsim.cli.convert import convert
+from mcsim.cli.names import refuse_same_names
 from mcsim.cli.table import table
 from mcsim.cli.vibration import vibration
 from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
@@ -129,7 +130,7 @@ def run(
     from mcsim.results import check
 
     read = [_read(path, overrides, seed, realizations, linear) for path in scenarios]
-    _refuse_same_names(read)
+    refuse_same_names(read)
     for scenario in read:
         check(scenario)
     if dry_run:
@@ -275,16 +276,6 @@ def _read(
     if linear:
         settings["monte_carlo.estimator"] = "linear"
     return scenario.with_values(settings) if settings else scenario
-
-
-def _refuse_same_names(scenarios: list[Scenario]) -> None:
-    names = [scenario.name for scenario in scenarios]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(
-                f"two scenarios are named {name}; their results would share a folder: "
-                "rename one, or run them with different --output"
-            )
 
 
 def _run_one(

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mcsim.figures.style import curve_colour, house_style
+from mcsim.figures.style import curve_colour, house_style, set_title
 from mcsim.gum import Budget, BudgetRow, Course
 
 #: Smaller shares are drawn together.
@@ -27,7 +27,7 @@ def draw_shares(
         for axes, budget, name in zip(panels, budgets, names, strict=True):
             _draw_bars(axes, budget.group(output))
             axes.set_title(f"{name}: u = {budget.uncertainty(output):.2g} {_UNITS[output]}")
-        figure.suptitle(title, fontsize=11)
+        set_title(figure, title)
     return figure
 
 
@@ -40,7 +40,8 @@ def _draw_bars(axes: Axes, rows: Sequence[BudgetRow]) -> None:
     shown = [(share, name) for share, name in shares if share >= _LEAST_SHARE]
     rest = [(share, name) for share, name in shares if share < _LEAST_SHARE]
     if rest:
-        shown.append((sum(share for share, _ in rest), ", ".join(name for _, name in rest)))
+        names = rest[0][1] if len(rest) == 1 else f"{len(rest)} others"
+        shown.append((sum(share for share, _ in rest), names))
     position = np.arange(len(shown))
     axes.barh(position, [100.0 * share for share, _ in shown], color=_SUMMED, height=0.62)
     for y, (share, _) in zip(position, shown, strict=True):
@@ -72,7 +73,7 @@ def draw_comparison(course: Course, title: str) -> Figure:
         left.set_ylim(bottom=0.0)
         left.legend(loc="upper left")
         _draw_sources(right, course)
-        figure.suptitle(title, fontsize=11)
+        set_title(figure, title)
     return figure
 
 
@@ -127,7 +128,7 @@ def draw_runs(
             color=curve_colour(2, 4),
             alpha=0.3,
             linewidth=0,
-            label="± uc of the mean, Eq. (31)",
+            label="± uc of the mean (k = 1), Eq. (31)",
         )
         right.plot(time, mean, color=curve_colour(2, 4), linewidth=1.6, label="mean")
         right.plot(time, truth, color=_SIMULATED, ls="--", label="true velocity")
@@ -136,5 +137,5 @@ def draw_runs(
             axes.set_xlabel("time after the start [s]")
             axes.set_title(f"({letter})", loc="left")
             axes.legend(loc="lower center")
-        figure.suptitle(title, fontsize=11)
+        set_title(figure, title)
     return figure

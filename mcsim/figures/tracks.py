@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _TRUTH, _SAMPLE, _BAND = "#d1495b", "#2a9d8f", "#1b4965"
 _FEWEST_ENDS = 10
+_ALONG = "along [m]"
 #: Tracks more elongated than this are not drawn true to scale.
 _LONGEST_TRUE_TO_SCALE = 4.0
 
@@ -27,8 +28,9 @@ def draw_over_time(results: Results) -> Figure | None:
     history = _first_point(results, results.history)
     tracks = _first_point(results, results.tracks)
     rows: list[Any] = []
+    plane = tracks is not None and _ALONG in tracks
     if tracks is not None:
-        rows.append(["tracks", "ends"])
+        rows.append(["tracks", "ends"] if plane else ["tracks", "tracks"])
     if history is not None:
         drawn = results.scenario.base.DRAWN
         pairs = [list(drawn[i : i + 2]) for i in range(0, len(drawn), 2)]
@@ -38,7 +40,9 @@ def draw_over_time(results: Results) -> Figure | None:
     with house_style():
         figure = Figure(figsize=(9.2, 3.1 * len(rows) + 0.6), layout="constrained")
         panels = figure.subplot_mosaic(rows)
-        if tracks is not None:
+        if tracks is not None and not plane:
+            _draw_courses(panels["tracks"], tracks)
+        elif tracks is not None:
             _draw_tracks(panels["tracks"], tracks)
             _draw_ends(panels["ends"], tracks, results.scenario.base.monte_carlo.confidence)
         if history is not None:
@@ -82,6 +86,19 @@ def _draw_tracks(axes: Axes, tracks: pd.DataFrame) -> None:
     axes.set_title("reconstructed tracks")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.1)
     axes.title.set_position((0.85, 1.0))
+
+
+def _draw_courses(axes: Axes, tracks: pd.DataFrame) -> None:
+    """What is not a track in the plane, over time."""
+    quantity = tracks.columns[-1]
+    for _, track in tracks[tracks["realization"] >= 0].groupby("realization"):
+        axes.plot(track["time [s]"], track[quantity], color=_SAMPLE, alpha=0.35, linewidth=0.7)
+    truth = tracks[tracks["realization"] == -1]
+    axes.plot(truth["time [s]"], truth[quantity], color=_TRUTH, linewidth=1.6, label="truth")
+    axes.plot([], [], color=_SAMPLE, label=f"{tracks['realization'].nunique() - 1} realizations")
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(quantity)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.1)
 
 
 def _draw_ends(axes: Axes, tracks: pd.DataFrame, sigmas: float) -> None:

@@ -78,7 +78,7 @@ def course_of_uncertainty(model: VelocityScenario, groups: int = GROUPS) -> Cour
     total, total_mean, scatter = _deviations(problem, key, groups)
     simulated = {source: _deviations(_only(problem, source), key, groups)[0] for source in SOURCES}
     return Course(
-        time=np.arange(len(problem.truth), dtype=float) * problem.interval,
+        time=np.round(np.arange(len(problem.truth)) * problem.interval, 12),
         truth=problem.truth,
         runs=model.runs,
         summed=summed,

@@ -213,8 +213,8 @@ def simulate(
     interval, time_error : float
         Nominal interval between samples and its standard uncertainty (s).
     stamps : bool
-        Time stamps err (the first one defines time zero), so that neighbouring intervals
-        err oppositely; else intervals err independently.
+        Time stamps err, so that neighbouring intervals err oppositely; else intervals err
+        independently.
     order : int
         ``FIRST_ORDER``, ``SECOND_ORDER`` or ``EXACT`` tilt correction.
     instants : int64 (k,)
@@ -258,11 +258,14 @@ def simulate(
         _start_groups(constants, inputs, uncertainties, order, state)
         seed_lanes(key, block_first, WHITE_NOISE, random_state)
         for run in range(runs):
+            if stamps:
+                draw_group(random_state, normals)  # the first of them is the first stamp's
             for j in range(LANES):
+                first_stamp = np.float64(normals[j]) if stamps else 0.0
                 state[_SPEED + j] = 0.0
                 state[_LINEAR + j] = 0.0
-                state[_STAMP + j] = 0.0
-                state[_LINEAR_STAMP + j] = 0.0
+                state[_STAMP + j] = first_stamp
+                state[_LINEAR_STAMP + j] = first_stamp
             done = 0
             for instant in range(n_instants):
                 i = done

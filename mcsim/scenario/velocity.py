@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import Annotated, ClassVar, Literal
 
 from annotated_types import Ge, Le, Len
-from pydantic import field_validator, model_validator
+from pydantic import FiniteFloat, field_validator, model_validator
 
 from mcsim.scenario.block import Block, Whole
 from mcsim.scenario.case import CaseScenario
@@ -98,7 +100,8 @@ class RawAccelerometer(Block):
     noise: Axes
     """Standard deviation of one raw sample, u(am)."""
     sampling: Literal["average", "none"] = "average"
-    """A sample is the mean over the interval that it stands for, or momentary."""
+    """A sample is the mean over the interval that begins with it, or the momentary value just
+    after it."""
     time_error: Annotated[Time, NotNegative] = 0.0
     """Standard uncertainty u(Δt) of each interval between samples."""
     time_errors: Literal["independent", "stamps"] = "independent"
@@ -109,8 +112,8 @@ class RawAccelerometer(Block):
 class Number(Block):
     """A dimensionless quantity: estimate and standard uncertainty."""
 
-    estimate: float
-    uncertainty: Annotated[float, NotNegative] = 0.0
+    estimate: FiniteFloat
+    uncertainty: Annotated[FiniteFloat, NotNegative] = 0.0
 
 
 class Bias(Block):
@@ -212,7 +215,7 @@ class VelocityScenario(CaseScenario):
     gravity: Gravity = Gravity()
     tilt: Tilt = Tilt()
     runs: Annotated[int, Whole, Ge(1), Le(1000)] = 12
-    """Runs M of a group; all runs of a group share calibration, tilt and gravity."""
+    """Runs M of a group; all runs of a group share calibration, rest, tilt and gravity."""
     instants: Annotated[tuple[Annotated[Time, Positive], ...], Len(1, 100)] | None = None
     """When errors are reported, after the start; the end of the run if absent."""
     budget: BudgetPoint | None = None
@@ -223,8 +226,9 @@ class VelocityScenario(CaseScenario):
     @field_validator("instants")
     @classmethod
     def _ascending(cls, value: tuple[float, ...] | None) -> tuple[float, ...] | None:
-        if value is not None and list(value) != sorted(set(value)):
-            raise reject("instants must ascend, each once")
+        for before, after in pairwise(value or ()):
+            if after <= before:
+                raise reject(f"must ascend, but {after:g} s follows {before:g} s")
         return value
 
     @model_validator(mode="after")
@@ -239,8 +243,10 @@ class VelocityScenario(CaseScenario):
 
     @property
     def reported(self) -> tuple[float, ...]:
-        """Instants at which errors are reported (s)."""
-        return self.instants or (self.trajectory.duration,)
+        """Instants at which errors are reported (s); the last sample if none is asked for."""
+        rate = self.sensor.rate
+        last = math.floor(self.trajectory.duration * rate * (1.0 + 1e-12) + 1e-9) / rate
+        return self.instants or (last,)
 
     @property
     def error_rows(self) -> tuple[ErrorRow, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,13 @@ from mcsim.scenario.velocity import StraightRun
 
 Array = NDArray[np.float64]
 
+#: Times within an interval that a mean is taken from.
+_NODES = 6
+
 
 @dataclass(frozen=True)
 class RunMotion:
-    """True motion at given times, arrays (n,): SI units; tilt is that of the sensor."""
+    """True motion at given times, arrays of one shape: SI units; tilt is that of the sensor."""
 
     velocity: Array
     acceleration: Array
@@ -39,11 +42,19 @@ def run_motion(run: StraightRun, time: Array) -> RunMotion:
     )
 
 
-def interval_means(run: StraightRun, time: Array) -> RunMotion:
-    """Motion (n,) as means over the intervals between ``n + 1`` times; angles at their middles."""
-    middle = run_motion(run, 0.5 * (time[1:] + time[:-1]))
-    ends = run_motion(run, time).velocity
-    return RunMotion(middle.velocity, np.diff(ends) / np.diff(time), middle.vertical, middle.tilt)
+def within_intervals(run: StraightRun, time: Array) -> tuple[RunMotion, Array]:
+    """Motion (n, k) at k times within each interval between ``n + 1`` times, for means over them.
+
+    The second result are the weights (k,) of the times, of Gauss and Legendre.  The acceleration,
+    which may jump, is each interval's mean throughout.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    steps = np.diff(time)
+    inside = time[:-1, None] + 0.5 * steps[:, None] * (1.0 + nodes)
+    motion = run_motion(run, inside)
+    mean = np.diff(run_motion(run, time).velocity) / steps
+    acceleration = np.broadcast_to(mean[:, None], inside.shape)
+    return replace(motion, acceleration=acceleration), 0.5 * weights
 
 
 def _between(time: Array, begin: float, end: float) -> Array:
