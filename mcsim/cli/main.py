@@ -16,7 +16,7 @@ from mcsim.cli.characterise import characterise
 from mcsim.cli.convert import convert
 from mcsim.cli.names import refuse_same_names
 from mcsim.cli.table import table
-from mcsim.cli.vibration import vibration
+from mcsim.cli.vibration import analyse_shipped, vibration
 from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
 from mcsim.version import __version__
 
@@ -197,19 +197,20 @@ def sensors(name: str | None) -> None:
 
 
 @commands.command()
-@click.argument("numbers", nargs=-1, metavar="[1 … 5, 10 … 14|all]")
+@click.argument("numbers", nargs=-1, metavar="[1 … 5, 10 … 14|strapdown|vibration|all]")
 @_JOBS
 @_OUTPUT
 @_QUIET
 def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: bool) -> None:
-    """Reproduce figures of the planar paper (1 to 5) and the velocity paper (10 to 14)."""
+    """Reproduce figures: planar paper (1 to 5), velocity paper (10 to 14), other scenarios."""
     from mcsim.cli.drawing import Drawing
-    from mcsim.cli.paper import figure_numbers, figure_scenarios, title_of
+    from mcsim.cli.paper import GROUPS, figure_numbers, figure_scenarios, shipped, title_of
     from mcsim.cli.velocity_paper import FIGURES, draw_figure
     from mcsim.sweep import default_jobs
 
     failures, pictures = [], []
     wanted = figure_numbers(numbers, FIGURES)
+    groups = [name for name in GROUPS if not numbers or name in numbers or "all" in numbers]
     with Drawing(jobs or default_jobs()) as drawing:
         for number, parts in figure_scenarios(wanted).items():
             folders = [output / scenario.name for scenario in parts]
@@ -223,6 +224,12 @@ def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: boo
                 folder = output / f"figure{number}"
                 drawing.side_by_side(folders, title_of(parts), folder)
                 pictures.append(folder / "figure.png")
+        for scenario in shipped("strapdown") if "strapdown" in groups else []:
+            results = _run_one(scenario, jobs, output, quiet, lambda _, at: drawing.one(at))
+            failures += results.failures
+            pictures.append(output / scenario.name / "figure.png")
+        if "vibration" in groups:
+            pictures += analyse_shipped(output / "vibration")
         for number in wanted:
             if number in FIGURES:
                 draw_figure(number, output)

@@ -12,6 +12,9 @@ from mcsim.errors import InputError
 if TYPE_CHECKING:
     from mcsim.scenario import Scenario
 
+#: Shipped scenarios that belong to no numbered figure.
+GROUPS = ("strapdown", "vibration")
+
 
 def shipped_scenarios() -> Path:
     """The folder of shipped scenarios: inside an installed package, or beside its source."""
@@ -43,11 +46,21 @@ def figure_numbers(asked: tuple[str, ...], others: Iterable[int]) -> list[int]:
     known = [*_planar_figures(), *others]
     if not asked or "all" in asked:
         return known
-    for text in asked:
+    numbers = [text for text in asked if text not in GROUPS]
+    for text in numbers:
         if not (text.isascii() and text.isdigit()) or int(text) not in known:
-            numbers = ", ".join(map(str, known))
-            raise InputError(f'figures: "{text}" is not one of {numbers}, all')
-    return list(dict.fromkeys(map(int, asked)))
+            names = ", ".join([*map(str, known), *GROUPS])
+            raise InputError(f'figures: "{text}" is not one of {names}, all')
+    return list(dict.fromkeys(map(int, numbers)))
+
+
+def shipped(group: str) -> list[Scenario]:
+    """The shipped scenarios of a folder, in the order of their names."""
+    from mcsim.scenario import Scenario
+
+    return [
+        Scenario.from_yaml(path) for path in sorted((shipped_scenarios() / group).glob("*.yaml"))
+    ]
 
 
 def figure_scenarios(numbers: Iterable[int]) -> dict[int, list[Scenario]]:

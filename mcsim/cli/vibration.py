@@ -98,6 +98,26 @@ def vibration(
         _report(analysis, folder)
 
 
+def analyse_shipped(output: Path) -> list[Path]:
+    """Simulate and analyse the shipped vibrations; their pictures."""
+    from mcsim.cli.paper import shipped_scenarios
+    from mcsim.vibration.analysis import analyse
+    from mcsim.vibration.simulation import simulate
+
+    pictures = []
+    for path in sorted((shipped_scenarios() / "vibration").glob("*.yaml")):
+        scenario = _scenario(path, None, ())
+        analysis = analyse(
+            simulate(scenario, path.stem, lambda _: None),
+            scenario.analysis,
+            _engine(None, None, scenario),
+        )
+        title = f"{scenario.title or path.stem} – {scenario.sensor.model}"
+        _write(analysis, output / path.stem, title, simulated=True)
+        pictures.append(output / path.stem / "figure.png")
+    return pictures
+
+
 def _scenario(path: Path, sensor: str | None, of_logs: tuple[str | None, ...]) -> VibrationScenario:
     from mcsim.vibration.scenario import read_vibration
 
