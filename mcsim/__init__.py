@@ -27,6 +27,9 @@ Conventions (the whole package keeps them)
   (0, 0, 1) in fractions of the local g; tilt is positive where gravity shows in +x.
 * A noise density is one-sided, as data sheets print it: one sample at rate fs has
   variance ND^2 fs / 2.  Allan's N belongs to a two-sided density, variance N^2 fs.
+* A sensor measures in this order: low-pass, mixing of the channels (scale factor,
+  misalignment, g-sensitivity), offsets, jitter, coloured and white noise, spikes,
+  saturation, quantisation.  A noise density is that of the output.
 * Errors are reconstruction minus truth at the last sample, in the order along,
   across, position, heading, course (velocity case: of a run, of the mean of runs,
   standard deviation of the runs).  Standard deviations are those of the
