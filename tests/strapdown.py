@@ -12,7 +12,7 @@ import numpy as np
 from mcsim import Scenario
 from mcsim.cases import problem_of
 from mcsim.kernels import strapdown as kernel
-from mcsim.sensors.measurement import plain_arguments
+from mcsim.sensors.measurement import no_terms
 from mcsim.units import STANDARD_GRAVITY
 from tests.conftest import ALL_ERRORS, BASE
 
@@ -98,6 +98,6 @@ def run_kernel(signals, initial, interval, rule, share=0.5, gravity=STANDARD_GRA
         np.empty((kernel.LINEAR_ERRORS, 0)),
         history,
         np.zeros((0, 0), np.float32),
-        *plain_arguments(kernel.CHANNELS),
+        no_terms(kernel.CHANNELS),
     )
     return history[:, :, 0]

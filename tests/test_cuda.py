@@ -45,7 +45,7 @@ def both(tmp_path_factory):
         np.zeros(4),
         t, False, 0.5, p.measurement.largest(signals, 2), nothing, nothing,
         np.zeros((0, 0), np.float32), errors, np.empty((4, 0)), np.empty((0, 0, 0)),
-        *p.measurement.arrays,
+        p.measurement.terms,
     )  # fmt: skip
     return dict(np.load(folder / "result.npz")), errors, t
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.kernels import strapdown as kernel
-from mcsim.sensors.measurement import plain_arguments
+from mcsim.sensors.measurement import no_terms
 from mcsim.units import KINDS, STANDARD_GRAVITY, parse
 
 Array = NDArray[np.float64]
@@ -129,6 +129,6 @@ def simulate_at_rest(tilt: float, duration: float) -> tuple[Array, Array]:
         np.empty((kernel.LINEAR_ERRORS, 0)),
         history,
         np.zeros((0, 0), np.float32),
-        *plain_arguments(kernel.CHANNELS),
+        no_terms(kernel.CHANNELS),
     )
     return history[4, :, 0], history[1, :, 0]

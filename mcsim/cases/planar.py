@@ -232,7 +232,7 @@ class PlanarProblem:
             errors,
             linear,
             np.empty((0, 0, 0)) if history is None else history,
-            *m.arrays,
+            m.terms,
         )
         return errors, linear
 

@@ -263,7 +263,7 @@ class StrapdownProblem:
             linear,
             np.empty((0, 0, 0)) if history is None else history,
             net_normals(key, first, count, net, drawn) if net else _NONE_GIVEN,
-            *m.arrays,
+            m.terms,
         )
         return errors, linear
 

@@ -12,12 +12,14 @@ Scratch arrays are flat, one row of ``LANES`` values after the other.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import uint32
+from numpy.typing import NDArray
 
 from mcsim.kernels.compilation import scalar
-from mcsim.kernels.lanes import LANES
+from mcsim.kernels.lanes import LANES, seed_lanes
 from mcsim.kernels.random import normal_pair, xoshiro_next
 
 #: Stream of a realization for jitter and spikes (see ``lanes``).
@@ -26,6 +28,56 @@ EVENTS = 2
 PLANAR = 3
 #: Processes come in multiples of this; missing ones have no gain.
 FOUR = 4
+
+Array = NDArray[np.float64]
+
+
+class ErrorTerms(NamedTuple):
+    """The error terms of c channels over n + 1 samples, beyond white noise and offsets.
+
+    mix_to, mix_from : int64 (m,); mix_deviation : float64 (m,)
+        Coefficients drawn once per realization: how much of a channel's signal shows in another.
+    innovation : float64 (n + 1, c) or (0, c)
+        Standard deviation of each sample's innovation; empty where white noise and offsets are
+        all there is, and then everything else is empty as well.
+    gains, decay : float64 (n + 1, c, p), (c, p)
+        Gains and decay of the coloured noise's processes; see ``mcsim.kernels.innovations``.
+    jitter : float64 (n + 1, c) or (0, c)
+        Slope of each signal times the deviation of the sampling instants.
+    spike_thresholds, spike_amplitudes : uint32, float64 (c,) or (0,)
+        Half of 2^32 times the probability of a spike per sample, and its height.
+    ranges, resolutions : float64 (c,) or (0,)
+        Where each channel saturates, and its quantisation step (zero for none).
+    """
+
+    mix_to: NDArray[np.int64]
+    mix_from: NDArray[np.int64]
+    mix_deviation: Array
+    innovation: Array
+    gains: Array
+    decay: Array
+    jitter: Array
+    spike_thresholds: NDArray[np.uint32]
+    spike_amplitudes: Array
+    ranges: Array
+    resolutions: Array
+
+
+@scalar
+def make_scratch(terms):
+    """Coefficients of the mixing and a spare row, processes, and the stream of events."""
+    coefficients = np.zeros((len(terms.mix_to) + 1) * LANES, np.float64)
+    processes = np.zeros(terms.decay.size * LANES, np.float64)
+    return coefficients, processes, np.empty(4 * LANES, np.uint32)
+
+
+@scalar
+def start_measuring(key, first, terms, first_row, constants, scratch):
+    """Begin a block: coefficients from the constants' rows ``first_row`` and following."""
+    coefficients, processes, event_state = scratch
+    draw_coefficients(terms.mix_deviation, first_row, constants, coefficients)
+    seed_lanes(key, first, EVENTS, event_state)
+    processes[:] = 0.0
 
 
 @scalar
@@ -141,47 +193,37 @@ def measure(
     further_normals,
     signals,
     offsets,
-    mix_to,
-    mix_from,
-    coefficients,
-    innovation,
-    gains,
-    decay,
-    processes,
-    jitter,
-    spike_thresholds,
-    spike_amplitudes,
-    ranges,
-    resolutions,
-    event_state,
+    terms,
+    scratch,
     measured,
 ):
     """All channels of sample ``i``.
 
     Normals of the first three channels are rows of ``normals`` from ``row`` on, those of
     further channels rows of ``further_normals`` from ``further_row`` on.  The last of the
-    ``coefficients`` rows is scratch.  Processes come in fours.
+    coefficients' rows is spare.  Processes come in fours.
     """
+    coefficients, processes, event_state = scratch
     for channel in range(channels):
         planar = channel < PLANAR
         _truth_and_noise(
             signals[i, channel],
-            innovation[i, channel],
+            terms.innovation[i, channel],
             _row(offsets, channel),
             _row(normals, row + channel)
             if planar
             else _row(further_normals, further_row + channel - PLANAR),
             _row(measured, channel),
         )
-    for entry in range(len(mix_to)):
-        value = signals[i, mix_from[entry]]
-        _mix(value, _row(coefficients, entry), _row(measured, mix_to[entry]))
-    if jitter.shape[0] > 0:
-        common = _row(coefficients, len(mix_to))
+    for entry in range(len(terms.mix_to)):
+        value = signals[i, terms.mix_from[entry]]
+        _mix(value, _row(coefficients, entry), _row(measured, terms.mix_to[entry]))
+    if terms.jitter.shape[0] > 0:
+        common = _row(coefficients, len(terms.mix_to))
         _draw_event_normals(event_state, common)
         for channel in range(channels):
-            _mix(jitter[i, channel], common, _row(measured, channel))
-    count = decay.shape[1]
+            _mix(terms.jitter[i, channel], common, _row(measured, channel))
+    count = terms.decay.shape[1]
     for channel in range(channels):
         own = _row(measured, channel)
         drawn = (
@@ -192,15 +234,17 @@ def measure(
         for first in range(0, count, FOUR):
             begin = (channel * count + first) * LANES
             _processes(
-                decay[channel, first : first + FOUR],
-                gains[i, channel, first : first + FOUR],
+                terms.decay[channel, first : first + FOUR],
+                terms.gains[i, channel, first : first + FOUR],
                 drawn,
                 processes[begin : begin + FOUR * LANES],
                 own,
             )
-        if len(spike_thresholds) > 0:
-            _spike(spike_thresholds[channel], spike_amplitudes[channel], event_state, own)
-        if len(ranges) > 0:
-            _saturate(ranges[channel], own)
-            if resolutions[channel] > 0.0:
-                _quantise(resolutions[channel], own)
+        if len(terms.spike_thresholds) > 0:
+            _spike(
+                terms.spike_thresholds[channel], terms.spike_amplitudes[channel], event_state, own
+            )
+        if len(terms.ranges) > 0:
+            _saturate(terms.ranges[channel], own)
+            if terms.resolutions[channel] > 0.0:
+                _quantise(terms.resolutions[channel], own)

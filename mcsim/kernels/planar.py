@@ -38,7 +38,7 @@ from mcsim.kernels.lanes import (
     seed_lanes,
     take_constants,
 )
-from mcsim.kernels.measurement import EVENTS, draw_coefficients, measure
+from mcsim.kernels.measurement import ErrorTerms, make_scratch, measure, start_measuring
 from mcsim.kernels.rotation import (
     LARGEST_TURN,
     LITTLE_TURN,
@@ -397,17 +397,7 @@ def simulate(
     errors: Array,
     linear: Array,
     history: Array,
-    mix_to: NDArray[np.int64],
-    mix_from: NDArray[np.int64],
-    mix_deviation: Array,
-    innovation: Array,
-    gains: Array,
-    decay: Array,
-    jitter: Array,
-    spike_thresholds: NDArray[np.uint32],
-    spike_amplitudes: Array,
-    ranges: Array,
-    resolutions: Array,
+    terms: ErrorTerms,
 ) -> None:
     """Dead-reckon ``count`` realizations from number ``first`` on; their errors at the last sample.
 
@@ -451,23 +441,13 @@ def simulate(
         Linear errors of the same realizations, unless empty.
     history : float64 (HISTORY_ROWS, n + 1, count) or (0, 0, 0), written
         Reconstructed states at every sample, unless empty.
-    mix_to, mix_from : int64 (m,); mix_deviation : float64 (m,)
-        Coefficients drawn once per realization: how much of a channel's signal shows in another.
-    innovation : float64 (n + 1, 3) or (0, 3)
-        Standard deviation of each sample's innovation; empty where white noise and offsets are
-        all there is, and then everything that follows is empty as well.
-    gains, decay : float64 (n + 1, 3, p), (3, p)
-        Gains and decay of the coloured noise's processes; see ``mcsim.kernels.innovations``.
-    jitter : float64 (n + 1, 3) or (0, 3)
-        Slope of each signal times the deviation of the sampling instants.
-    spike_thresholds, spike_amplitudes : uint32, float64 (3,) or (0,)
-        Half of 2^32 times the probability of a spike per sample, and its height.
-    ranges, resolutions : float64 (3,) or (0,)
-        Where each channel saturates, and its quantisation step (zero for none).
+    terms : ErrorTerms
+        Everything beyond white noise and offsets, for the three channels; m are its mixing
+        coefficients.
     """
     n = signals.shape[0] - 1
-    n_constants = (N_CONSTANTS + len(mix_to) + 3) // 4 * 4
-    plain = innovation.shape[0] == 0
+    n_constants = (N_CONSTANTS + len(terms.mix_to) + 3) // 4 * 4
+    plain = terms.innovation.shape[0] == 0
     record = history.shape[1] > 0
     with_linear = linear.shape[1] > 0
     with_given = given.shape[1] > 0
@@ -481,11 +461,9 @@ def simulate(
         with_constants = with_constants or deviations[k] != 0.0
     by_fours = plain and not (trapezoidal or exact or record)
     random_state = np.empty(4 * LANES, np.uint32)
-    event_state = np.empty(4 * LANES, np.uint32)
     normals = np.empty(3 * GROUP * LANES, np.float32)
     constants = np.zeros(n_constants * LANES, np.float32)
-    coefficients = np.zeros((len(mix_to) + 1) * LANES, np.float64)
-    processes = np.zeros(3 * decay.shape[1] * LANES, np.float64)
+    scratch = make_scratch(terms)
     measured = np.empty(3 * LANES, np.float64)
     state = np.empty(_N_STATE, np.float64)
     for block in range((count + LANES - 1) // LANES):
@@ -502,9 +480,7 @@ def simulate(
             _start_linear(constants, linear_constants, state)
         seed_lanes(key, block_first, WHITE_NOISE, random_state)
         if not plain:
-            seed_lanes(key, block_first, EVENTS, event_state)
-            draw_coefficients(mix_deviation, N_CONSTANTS, constants, coefficients)
-            processes[:] = 0.0
+            start_measuring(key, block_first, terms, N_CONSTANTS, constants, scratch)
         for i in range(-3, n + 1, GROUP):
             # Sample 0 comes alone, with normals of its own among the constants.
             at_0 = i < 0
@@ -541,19 +517,8 @@ def simulate(
                         source,
                         signals,
                         offsets,
-                        mix_to,
-                        mix_from,
-                        coefficients,
-                        innovation,
-                        gains,
-                        decay,
-                        processes,
-                        jitter,
-                        spike_thresholds,
-                        spike_amplitudes,
-                        ranges,
-                        resolutions,
-                        event_state,
+                        terms,
+                        scratch,
                         measured,
                     )
                 if at_0:

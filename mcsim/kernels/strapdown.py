@@ -39,7 +39,7 @@ from mcsim.kernels.lanes import (
     seed_lanes,
     take_constants,
 )
-from mcsim.kernels.measurement import EVENTS, draw_coefficients, measure
+from mcsim.kernels.measurement import ErrorTerms, make_scratch, measure, start_measuring
 from mcsim.kernels.quaternion import LARGEST_ROTATION, LITTLE_ROTATION
 from mcsim.kernels.strapdown_ends import (
     add_linear,
@@ -138,17 +138,7 @@ def simulate(
     linear: Array,
     history: Array,
     given: NDArray[np.float32],
-    mix_to: NDArray[np.int64],
-    mix_from: NDArray[np.int64],
-    mix_deviation: Array,
-    innovation: Array,
-    gains: Array,
-    decay: Array,
-    jitter: Array,
-    spike_thresholds: NDArray[np.uint32],
-    spike_amplitudes: Array,
-    ranges: Array,
-    resolutions: Array,
+    terms: ErrorTerms,
 ) -> None:
     """Reconstruct ``count`` realizations from number ``first`` on; their errors at the last sample.
 
@@ -200,8 +190,8 @@ def simulate(
     given : float32 (24 + k, count) or (0, 0)
         Normals for what is drawn once per realization, instead of drawing them, unless empty;
         k is the least multiple of four that holds the m mixing coefficients.
-    mix_to ... resolutions
-        As in ``mcsim.kernels.planar.simulate``, for six channels.
+    terms : ErrorTerms
+        Everything beyond white noise and offsets, for the six channels.
     """
     n = signals.shape[0] - 1
     record = history.shape[1] > 0
@@ -219,14 +209,12 @@ def simulate(
     planar = np.empty(3 * GROUP * LANES, np.float32)
     spatial = np.empty(3 * GROUP * LANES, np.float32)
     noise = planar, spatial
-    mixed = (len(mix_to) + 3) // 4 * 4
-    plain = innovation.shape[0] == 0
+    mixed = (len(terms.mix_to) + 3) // 4 * 4
+    plain = terms.innovation.shape[0] == 0
     with_given = given.shape[1] > 0
     with_constants = with_constants or not plain
-    event_state = np.empty(4 * LANES, np.uint32)
     constants = np.zeros((N_CONSTANTS + mixed) * LANES, np.float32)
-    coefficients = np.zeros((len(mix_to) + 1) * LANES, np.float64)
-    processes = np.zeros(CHANNELS * decay.shape[1] * LANES, np.float64)
+    scratch = make_scratch(terms)
     offsets = np.empty(CHANNELS * LANES, np.float64)
     # Where disturbed values are made beforehand, they stand in the place of the offsets and the
     # steps add nothing to them.
@@ -244,7 +232,8 @@ def simulate(
             draw_normals(key, block_first, SPATIAL_CONSTANTS, half, constants[half * LANES :])
             further = constants[N_CONSTANTS * LANES :]
             draw_normals(key, block_first, MIXING_CONSTANTS, mixed, further)
-        draw_coefficients(mix_deviation, N_CONSTANTS, constants, coefficients)
+        if not plain:
+            start_measuring(key, block_first, terms, N_CONSTANTS, constants, scratch)
         start_block(
             constants,
             deviations,
@@ -253,9 +242,9 @@ def simulate(
             levelled,
             signals,
             interval,
-            mix_to,
-            mix_from,
-            coefficients,
+            terms.mix_to,
+            terms.mix_from,
+            scratch[0],
             state,
         )
         if with_linear:
@@ -266,8 +255,6 @@ def simulate(
             record_states(state, 0, start, filled, interval, history)
         measured = state[OFFSETS : OFFSETS + CHANNELS * LANES]
         if not plain:
-            seed_lanes(key, block_first, EVENTS, event_state)
-            processes[:] = 0.0
             offsets[:] = measured
             measure(
                 0,
@@ -278,19 +265,8 @@ def simulate(
                 constants,
                 signals,
                 offsets,
-                mix_to,
-                mix_from,
-                coefficients,
-                innovation,
-                gains,
-                decay,
-                processes,
-                jitter,
-                spike_thresholds,
-                spike_amplitudes,
-                ranges,
-                resolutions,
-                event_state,
+                terms,
+                scratch,
                 measured,
             )
             state[PREVIOUS : PREVIOUS + CHANNELS * LANES] = measured
@@ -321,19 +297,8 @@ def simulate(
                         spatial,
                         signals,
                         offsets,
-                        mix_to,
-                        mix_from,
-                        coefficients,
-                        innovation,
-                        gains,
-                        decay,
-                        processes,
-                        jitter,
-                        spike_thresholds,
-                        spike_amplitudes,
-                        ranges,
-                        resolutions,
-                        event_state,
+                        terms,
+                        scratch,
                         measured,
                     )
                     row, ideal, deviation = 0, still, silent

@@ -6,13 +6,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.sensors.coloured import Innovations, folded, innovations_of, term_variances
 from mcsim.sensors.error_model import ChannelErrors, saturates
+
+if TYPE_CHECKING:
+    from mcsim.kernels.measurement import ErrorTerms
 
 Array = NDArray[np.float64]
 
@@ -51,7 +54,7 @@ class NormalWeights:
 class Measurement:
     """What a kernel needs to measure with errors; see ``mcsim.kernels.measurement``.
 
-    ``white`` and ``offsets`` (c,) serve the fast paths, ``arrays`` the other ones; these are
+    ``white`` and ``offsets`` (c,) serve the fast paths, ``terms`` the other ones; these are
     empty where white noise and offsets are all there is.
     """
 
@@ -123,11 +126,13 @@ class Measurement:
         )
 
     @cached_property
-    def arrays(self) -> tuple[Any, ...]:
-        """Arguments of the kernels, from ``mix_to`` to ``resolutions``."""
+    def terms(self) -> ErrorTerms:
+        """The error terms as the kernels take them."""
+        from mcsim.kernels.measurement import ErrorTerms
+
         c = len(self.white)
         if not self.innovations:
-            return plain_arguments(c)
+            return no_terms(c)
         most = max((len(i.decay) for i in self.innovations), default=0)
         most = -(-most // 4) * 4  # the kernels take processes in fours
         n = len(self.innovations[0].deviations)
@@ -138,7 +143,7 @@ class Measurement:
             innovation[:, k] = own.deviations
             gains[:, k, :count] = own.gains
             decay[k, :count] = own.decay
-        return (
+        return ErrorTerms(
             self.mix_to,
             self.mix_from,
             self.mix_deviation,
@@ -225,11 +230,13 @@ class Measurement:
         return found
 
 
-def plain_arguments(channels: int) -> tuple[Any, ...]:
-    """``Measurement.arrays`` where white noise and offsets are all there is."""
+def no_terms(channels: int) -> ErrorTerms:
+    """The terms where white noise and offsets are all there is."""
+    from mcsim.kernels.measurement import ErrorTerms
+
     empty, whole = np.zeros(0), np.zeros(0, np.int64)
     nothing = np.zeros((0, channels))
-    return (
+    return ErrorTerms(
         whole,
         whole,
         empty,
