@@ -109,6 +109,26 @@ def _truth_and_noise(value, deviation, offsets, normals, measured):
 
 
 @scalar
+def _truth_and_coloured_noise(
+    value, deviation, offsets, decay, gains, normals, processes, measured
+):
+    """The same with the first four processes, in one loop."""
+    d0, d1, d2, d3 = decay[0], decay[1], decay[2], decay[3]
+    g0, g1, g2, g3 = gains[0], gains[1], gains[2], gains[3]
+    for j in range(LANES):
+        z = np.float64(normals[j])
+        x0 = processes[j]
+        x1 = processes[LANES + j]
+        x2 = processes[2 * LANES + j]
+        x3 = processes[3 * LANES + j]
+        measured[j] = value + offsets[j] + deviation * z + ((x0 + x1) + (x2 + x3))
+        processes[j] = d0 * x0 + g0 * z
+        processes[LANES + j] = d1 * x1 + g1 * z
+        processes[2 * LANES + j] = d2 * x2 + g2 * z
+        processes[3 * LANES + j] = d3 * x3 + g3 * z
+
+
+@scalar
 def _mix(value, coefficients, measured):
     """Add what shows of another channel's true value."""
     for j in range(LANES):
@@ -176,11 +196,14 @@ def _saturate(largest, measured):
 
 
 @scalar
-def _quantise(resolution, measured):
-    """Round to the nearest step."""
+def _digitise(largest, resolution, measured):
+    """Saturate, then round to the nearest step."""
     steps = 1.0 / resolution
     for j in range(LANES):
-        measured[j] = resolution * math.floor(measured[j] * steps + 0.5)
+        value = measured[j]
+        value = value if value < largest else largest
+        value = value if value > -largest else -largest
+        measured[j] = resolution * math.floor(value * steps + 0.5)
 
 
 @scalar
@@ -204,17 +227,26 @@ def measure(
     coefficients' rows is spare.  Processes come in fours.
     """
     coefficients, processes, event_state = scratch
+    count = terms.decay.shape[1]
     for channel in range(channels):
-        planar = channel < PLANAR
-        _truth_and_noise(
-            signals[i, channel],
-            terms.innovation[i, channel],
-            _row(offsets, channel),
+        drawn = (
             _row(normals, row + channel)
-            if planar
-            else _row(further_normals, further_row + channel - PLANAR),
-            _row(measured, channel),
+            if channel < PLANAR
+            else _row(further_normals, further_row + channel - PLANAR)
         )
+        value, deviation = signals[i, channel], terms.innovation[i, channel]
+        own, offset = _row(measured, channel), _row(offsets, channel)
+        for first in range(0, max(count, 1), FOUR):
+            begin = (channel * count + first) * LANES
+            decay = terms.decay[channel, first : first + FOUR]
+            gains = terms.gains[i, channel, first : first + FOUR]
+            group = processes[begin : begin + FOUR * LANES]
+            if count == 0:
+                _truth_and_noise(value, deviation, offset, drawn, own)
+            elif first == 0:
+                _truth_and_coloured_noise(value, deviation, offset, decay, gains, drawn, group, own)
+            else:
+                _processes(decay, gains, drawn, group, own)
     for entry in range(len(terms.mix_to)):
         value = signals[i, terms.mix_from[entry]]
         _mix(value, _row(coefficients, entry), _row(measured, terms.mix_to[entry]))
@@ -223,28 +255,13 @@ def measure(
         _draw_event_normals(event_state, common)
         for channel in range(channels):
             _mix(terms.jitter[i, channel], common, _row(measured, channel))
-    count = terms.decay.shape[1]
     for channel in range(channels):
         own = _row(measured, channel)
-        drawn = (
-            _row(normals, row + channel)
-            if channel < PLANAR
-            else _row(further_normals, further_row + channel - PLANAR)
-        )
-        for first in range(0, count, FOUR):
-            begin = (channel * count + first) * LANES
-            _processes(
-                terms.decay[channel, first : first + FOUR],
-                terms.gains[i, channel, first : first + FOUR],
-                drawn,
-                processes[begin : begin + FOUR * LANES],
-                own,
-            )
         if len(terms.spike_thresholds) > 0:
-            _spike(
-                terms.spike_thresholds[channel], terms.spike_amplitudes[channel], event_state, own
-            )
+            threshold, amplitude = terms.spike_thresholds[channel], terms.spike_amplitudes[channel]
+            _spike(threshold, amplitude, event_state, own)
         if len(terms.ranges) > 0:
-            _saturate(terms.ranges[channel], own)
             if terms.resolutions[channel] > 0.0:
-                _quantise(terms.resolutions[channel], own)
+                _digitise(terms.ranges[channel], terms.resolutions[channel], own)
+            else:
+                _saturate(terms.ranges[channel], own)
