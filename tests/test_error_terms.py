@@ -7,6 +7,7 @@ import pytest
 
 import mcsim
 from mcsim import InputError
+from mcsim.cases import problem_of
 from mcsim.sensors.coloured import (
     after_calibration,
     folded,
@@ -371,6 +372,13 @@ def test_calibration_replaces_the_assumed_miscalibration():
     with pytest.raises(InputError, match=r"remove `gyroscope\.miscalibration`"):
         scenario({**ALL_ERRORS, "sensors.calibration": {"duration": "10 s"},
                   "sensors.accelerometer.miscalibration": "0 m/s^2"})  # fmt: skip
+
+
+def test_runs_too_long_for_their_in_run_noise_are_refused():
+    long = {"shape": "straight", "length": "390 km", "speed": "20 m/s"}
+    s = scenario({**EVERY, "trajectory": long, "sensors.sampling": "none"})
+    with pytest.raises(InputError, match="in-run noise of 1,950,021 samples"):
+        problem_of(s.base, s.folder).measurement  # noqa: B018
 
 
 # Sensor files

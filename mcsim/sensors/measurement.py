@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.errors import InputError
 from mcsim.sensors.coloured import Innovations, folded, innovations_of, term_variances
 from mcsim.sensors.error_model import ChannelErrors, saturates
 
@@ -21,6 +22,8 @@ Array = NDArray[np.float64]
 
 #: Standard deviations that bound the errors of practically all realizations.
 _WIDE = 7.0
+#: Samples times processes of in-run noise that fit in memory (0.8 GB).
+_MOST_STATES = 50_000_000
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,20 @@ class Measurement:
 
     @classmethod
     def of(cls, errors: ChannelErrors, signals: Array, interval: float) -> Measurement:
-        """Errors of channels that measure ``signals`` (n + 1, c)."""
+        """Errors of channels that measure ``signals`` (n + 1, c).
+
+        Raises
+        ------
+        InputError
+            A run too long for the arrays of its in-run noise.
+        """
+        states = sum(p.count for p in errors.processes)
+        if len(signals) * states > _MOST_STATES:
+            raise InputError(
+                f"sensors: the in-run noise of {len(signals):,} samples takes more memory than "
+                "mcsim allows; shorten the drive, lower `sensors.rate`, or leave out "
+                "bias_instability, random walks and gauss_markov"
+            )
         slopes = np.gradient(signals, axis=0) / interval
         spread = _WIDE * _spread(errors, signals)
         ranged = saturates(errors, signals, spread)
