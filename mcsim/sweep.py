@@ -79,10 +79,16 @@ def check_points(scenario: Scenario) -> list[int]:
 
 def describe_point(scenario: Scenario, point: Point) -> str:
     """The coordinates of a point, as text."""
-    return ", ".join(
+    coordinates = ", ".join(
         f"{axis.path} = {axis.written(value)}"
         for axis, value in zip(scenario.axes, point.values, strict=True)
     )
+    return coordinates or scenario.name
+
+
+def reason(error: Exception) -> str:
+    """Why a point failed: our own messages as they are, others with their kind."""
+    return str(error) if isinstance(error, McsimError) else f"{type(error).__name__}: {error}"
 
 
 def default_jobs() -> int:
@@ -148,7 +154,7 @@ def _outcomes(
         try:
             return point.index, _run(point, folder, threads, progress.advance)
         except Exception as error:
-            return point.index, f"{type(error).__name__}: {error}"
+            return point.index, reason(error)
 
     if workers == 1 or len(points) == 1:
         yield from map(run, points)
@@ -191,4 +197,4 @@ def _run_remotely(point: Point, folder: Path) -> tuple[int, PointResult | str]:
     try:
         return point.index, _run(point, folder, 1, lambda _: None)
     except Exception as error:
-        return point.index, f"{type(error).__name__}: {error}"
+        return point.index, reason(error)
