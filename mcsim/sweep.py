@@ -10,7 +10,7 @@ from typing import Protocol
 
 from mcsim.cases import check_point, problem_of
 from mcsim.engine import PointResult, point_key, run_point
-from mcsim.errors import InputError
+from mcsim.errors import InputError, McsimError
 from mcsim.scenario import Point, Scenario
 
 
