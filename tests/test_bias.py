@@ -16,6 +16,7 @@ from mcsim.characterisation.bias import (
     smooth,
     track_bias,
 )
+from mcsim.characterisation.bias_table import tracked_biases
 from mcsim.characterisation.process import GaussMarkov
 from mcsim.errors import InputError
 from mcsim.units import STANDARD_GRAVITY
@@ -138,3 +139,15 @@ def test_logs_without_a_bias_are_refused():
         correlation_model(smooth(rng.standard_normal(1000), RATE))
     with pytest.raises(InputError, match="no bias"):
         correlation_model(smooth(rng.standard_normal(100_000), RATE), 10.0)
+
+
+def test_the_table_of_tracked_biases_has_the_sources_numbers():
+    """Parameters come from the catalogue; the simulated error agrees with the closed form."""
+    entries = {entry.sensor: entry for entry in tracked_biases(seed=3)}
+    assert set(entries) == set(TABLE_5_8)
+    for sensor, (time, deviation, density, printed, _, _) in TABLE_5_8.items():
+        entry = entries[sensor]
+        assert (entry.model.correlation_time, entry.model.deviation) == (time, deviation)
+        assert entry.density == pytest.approx(density * 1e-6 * STANDARD_GRAVITY)
+        assert entry.printed == pytest.approx(printed * 1e-4)
+        assert entry.simulated == pytest.approx(entry.exact, rel=0.06)
