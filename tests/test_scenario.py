@@ -325,3 +325,10 @@ def test_errors_of_a_block_name_the_block():
 @pytest.mark.parametrize("path", ["sensors.².rate", "trajectory.points.01.0"])
 def test_odd_digits_are_no_list_index(path):
     assert "no scalar of that name" in refuse(BASE_YAML + f"  {path}: [1 Hz]\n")
+
+
+def test_a_sweep_that_is_switched_off_needs_no_other_figure():
+    panel = "figure: {panels: [{errors: along, x: sensors.gyroscope.noise_density}]}\n"
+    swept = Scenario.from_yaml(BASE_YAML + panel)
+    assert swept.n_points == 4
+    assert Scenario.from_yaml(BASE_YAML + panel, ["sweep=null"]).n_points == 1

@@ -252,7 +252,8 @@ def _check_figure(document: Document, base: CaseScenario, axes: tuple[Axis, ...]
                     f"(it has {', '.join(base.ERRORS)}){suggest(name, base.ERRORS)}"
                 )
         for key, path in (("x", panel.x), ("curves", panel.curves)):
-            if path is not None and path not in paths:
+            # A sweep that was switched off leaves a figure of one point.
+            if paths and path is not None and path not in paths:
                 raise InputError(
                     f"{document.place(('figure', 'panels', i, key))}: figure.panels.{i}.{key}: "
                     f"`{path}` is not swept here{suggest(path, paths)}"
