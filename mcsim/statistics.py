@@ -41,6 +41,8 @@ MOST_NETS = 64
 KEPT = 1 << 17
 #: Half-width of what "near" means, in standard errors of the kept ones' percentile.
 _NEAR = 9.0
+#: Relative scatter that is rounding.
+_ROUNDING = 1e-13
 
 
 @dataclass(frozen=True)
@@ -292,12 +294,20 @@ def _controlled_sums(collector: Collector, rows: NDArray[np.intp]) -> tuple[Arra
         varies = spread > 1e-14 * np.maximum(c_mean**2, 1e-300)
         return np.where(varies, covariance / np.where(varies, spread, 1.0), 0.0)[:, None]
 
-    first = coefficient(m11, u1, c1, c2)
-    second = coefficient(m22, u2, c2, c4)
-    return (
-        u1 - first * (c1 - reference.mean[rows, None] * sizes),
-        u2 - second * (c2 - reference.second_moment[rows, None] * sizes),
-    )
+    first = u1 - coefficient(m11, u1, c1, c2) * (c1 - reference.mean[rows, None] * sizes)
+    second = u2 - coefficient(m22, u2, c2, c4) * (c2 - reference.second_moment[rows, None] * sizes)
+    # Where errors lie far from the linear model (saturation), sums that each scatter less can
+    # make a deviation that scatters more: the plain ones serve there.
+    wider = _deviation_scatter(first, second, sizes, n) > _deviation_scatter(u1, u2, sizes, n)
+    return np.where(wider, u1, first), np.where(wider, u2, second)
+
+
+def _deviation_scatter(first: Array, second: Array, sizes: Array, n: int) -> Array:
+    """Scatter (rows, 1) of the items' influence on the variance."""
+    mean, square = first.sum(axis=1) / n, second.sum(axis=1) / n
+    influence = second - square[:, None] * sizes
+    influence -= 2.0 * mean[:, None] * (first - mean[:, None] * sizes)
+    return np.sum(influence**2, axis=1, keepdims=True)
 
 
 def _statistics(centre: Array, mean: Array, square: Array) -> Array:
@@ -338,7 +348,8 @@ def _counts(items: int, resamples: int, key: int) -> NDArray[np.float32]:
 def _acceleration(centre: Array, mean: Array, value: Array, influence: Array) -> Array:
     """BCa acceleration (e, 3) from the influence (2, e, items) of each item."""
     first, second = influence
-    std, rms = np.maximum(value[:, 1:2], 1e-300), np.maximum(value[:, 2:3], 1e-300)
+    rms = np.maximum(value[:, 2:3], 1e-300)
+    std = np.maximum(value[:, 1:2], _ROUNDING * rms)
     ratios = []
     for u in (
         first,
@@ -357,7 +368,9 @@ def _bca(value: Array, resampled: Array, acceleration: Array, sigmas: float) -> 
     deviation = resampled - centre[..., None]
     squares = deviation * deviation
     spread = np.sqrt(squares.mean(axis=-1))
-    safe = np.where(spread > 0.0, spread, 1.0)
+    # What scatters by rounding alone does not scatter.
+    scatters = spread > _ROUNDING * np.abs(value)
+    safe = np.where(scatters, spread, 1.0)
     skewness = np.mean(squares * deviation, axis=-1) / safe**3
     distance = (value - centre) / safe
     bias = distance - skewness * (distance**2 - 1.0) / 6.0
@@ -369,7 +382,7 @@ def _bca(value: Array, resampled: Array, acceleration: Array, sigmas: float) -> 
             + skewness * (corrected**2 - 1.0) / 6.0
             - skewness**2 * (2.0 * corrected**3 - 5.0 * corrected) / 36.0
         )
-        return np.where(spread > 0.0, centre + spread * quantile, value)
+        return np.where(scatters, centre + spread * quantile, value)
 
     low, high = end(-sigmas), end(sigmas)
     return np.minimum(low, value), np.maximum(high, value)

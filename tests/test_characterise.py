@@ -321,3 +321,9 @@ def test_lines_of_short_logs_are_found():
 def test_a_log_without_noise_does_not_break():
     found = characterise(log_of(1e-6 * np.arange(20_000.0)))
     assert np.all(np.isfinite(found.channels[0].high))
+
+
+def test_a_characterised_sensor_converts_to_other_dialects(output, capsys):
+    arguments = ["convert", str(output / "sensor.yaml"), "--to", "matlab"]
+    assert exit_code(arguments) == 0
+    assert "NoiseDensity" in capsys.readouterr().out

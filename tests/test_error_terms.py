@@ -412,3 +412,30 @@ def test_sensor_files_are_sensors(tmp_path):
     (tmp_path / "other.yaml").write_text("gyroscope: {angle_random_walk: 0.3 °/√h}\n")
     with pytest.raises(InputError, match=r"other\.yaml: has no accelerometer"):
         mcsim.Scenario.from_dict(gyroscope_only, folder=tmp_path)
+
+
+def test_saturated_channels_keep_right_deviations_and_intervals():
+    """Far from the linear model controls may widen a deviation; the plain sums serve then."""
+    values = {
+        "trajectory": {"shape": "half_cosine", "length": "30 m", "width": "5 m",
+                       "speed": "20 m/s", "deceleration": "3 m/s^2"},
+        "sensors.sampling": "none",
+        "sensors.gyroscope.range": "20 °/s",
+        "sensors.accelerometer.range": "8 m/s²",
+        "monte_carlo.realizations": 4000,
+    }  # fmt: skip
+    tables = []
+    for estimator in ("plain", "control_variate"):
+        run = mcsim.run(scenario({**values, "monte_carlo.estimator": estimator}))
+        table = run.table[run.table["statistic"] == "std"]
+        tables.append(table.set_index("error")[["value", "ci_low", "ci_high"]])
+    plain, controlled = tables
+    width = (plain["ci_high"] - plain["ci_low"]).to_numpy()
+    assert (np.abs(controlled["value"] - plain["value"]).to_numpy() < width).all()
+    assert ((controlled["ci_high"] - controlled["ci_low"]).to_numpy() < 1.05 * width).all()
+    assert (controlled["value"] > 0.0).all()
+
+
+def test_jitter_beyond_half_an_interval_is_refused():
+    with pytest.raises(InputError, match=r"at most half a sampling interval, 0\.005 s"):
+        scenario({"sensors.time_jitter": "6 ms"})

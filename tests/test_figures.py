@@ -229,3 +229,10 @@ def test_long_legends_stand_beside_the_panels():
     (legend,), (axes,) = figure.legends, panels(figure)
     assert legend.get_window_extent().x0 > axes.get_window_extent().x1
     assert axes.get_window_extent().height > 0.5 * figure.bbox.height
+
+
+def test_tracks_are_drawn_where_words_are_swept():
+    words = {"sweep": {"sensors.sampling": ["fir", "none"]}, "outputs.tracks": 12}
+    results = mcsim.run(scenario({**words, "monte_carlo.realizations": 50}))
+    figure = draw_over_time(results)
+    assert len(panels(figure)) == 2

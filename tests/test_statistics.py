@@ -196,3 +196,10 @@ def test_pieces_and_their_order_do_not_matter():
     for other in results[1:]:
         for name in ("value", "low", "high"):
             assert np.array_equal(getattr(results[0], name), getattr(other, name))
+
+
+def test_scatter_of_rounding_alone_has_no_width_and_no_warnings():
+    errors = -17.6 * (1.0 + 1.2e-16 * (np.arange(2000) % 3))[None]
+    assert len(np.unique(errors)) > 1
+    e = estimate_errors(errors, 3.0, 200, 1)
+    np.testing.assert_allclose(e.high - e.low, 0.0, atol=1e-13)

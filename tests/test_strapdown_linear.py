@@ -264,3 +264,27 @@ def test_controls_hold_for_all_error_terms(rule):
     np.testing.assert_array_equal(both, sample.errors[:, :200])
     nets = p.simulate(11, 0, 4096, net=64).errors.std(axis=1)
     np.testing.assert_allclose(nets, sample.errors.std(axis=1), rtol=0.1)
+
+
+@pytest.mark.parametrize("source", ["accelerometer misalignment", "gyroscope misalignment"])
+def test_misalignment_leaks_gravity_and_roll_into_the_planar_algorithm(source):
+    """Channels that the planar algorithm does not read show in those that it does."""
+    n = 10_000
+    values = {**SILENT, "body.roll.gradient": "1 °/(m/s²)", **TERMS[source]}
+    flat = problem({**values, "reconstruction.algorithm": "planar"})
+    deviation = (flat.simulate(7, 0, n).errors - flat.method_errors()[:, None]).std(axis=1)
+    expected = np.sqrt(flat.linear.variances[source])
+    rows = [0, 1, 6, 7]
+    np.testing.assert_allclose(
+        deviation[rows],
+        expected[rows],
+        rtol=5 / np.sqrt(2 * n) + 0.01,
+        atol=0.02 * expected[rows].max(),
+    )
+    if source == "accelerometer misalignment":
+        # 0.1° of gravity over the drive, in both components.
+        time = flat.n_samples * flat.planar.interval
+        leak = np.radians(0.1) * 9.80665 * time**2 / 2
+        assert deviation[0] == pytest.approx(leak, rel=0.1)
+    else:
+        assert deviation[6] > 0.0

@@ -17,7 +17,7 @@ from mcsim.scenario.validation import validate
 from mcsim.vibration.analysis import Engine, analyse
 from mcsim.vibration.excitation import acceleration, elevator_phases, elevator_speed
 from mcsim.vibration.processing import filters
-from mcsim.vibration.scenario import Chain, VibrationScenario
+from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
 from mcsim.vibration.sensor_tables import printed, remarks, sensor_table
 from mcsim.vibration.simulation import oversampling, simulate
 from mcsim.vibration.spectra import (
@@ -456,3 +456,10 @@ def test_the_table_command(tmp_path, capsys):
     assert "where the printed values cannot all hold" in out
     assert len(pd.read_csv(tmp_path / "sensors.csv")) == 16
     assert exit_code(["table", "sensors", "--duration", "0 s"]) == 2
+
+
+def test_sensors_without_noise_are_asked_for_it(tmp_path):
+    path = tmp_path / "engine.yaml"
+    path.write_text(ENGINE, encoding="utf-8")
+    with pytest.raises(InputError, match="LIS33DE: its source gives no noise density"):
+        read_vibration(path, "LIS33DE")

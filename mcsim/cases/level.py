@@ -16,7 +16,6 @@ import numpy as np
 from mcsim.cases.lengths import length_quantile
 from mcsim.cases.planar import (
     CHANNELS,
-    RATES,
     PlanarProblem,
     course_missing,
     initial_deviations,
@@ -25,6 +24,7 @@ from mcsim.cases.planar import (
 from mcsim.cases.planar_linear import beyond_controls
 from mcsim.cases.problem import Array, History, LinearModel, Sample
 from mcsim.cases.strapdown import CHANNELS as ALL_CHANNELS
+from mcsim.cases.strapdown import RATES as ALL_RATES
 from mcsim.cases.strapdown import sampled
 from mcsim.cases.strapdown_linear import position_moments
 from mcsim.scenario import StrapdownScenario
@@ -61,12 +61,14 @@ class LevelProblem:
         """
         drive = spatial_drive(model, folder)
         sensors = model.sensors
-        errors = channel_errors(sensors, CHANNELS, drive.drive.duration, model.body.gravity)
-        everything = channel_errors(sensors, ALL_CHANNELS, drive.drive.duration)
+        duration, further = drive.drive.duration, ALL_CHANNELS[len(CHANNELS) :]
+        errors = channel_errors(sensors, CHANNELS, duration, further=further)
+        everything = channel_errors(sensors, ALL_CHANNELS, duration)
         samples = sampled(drive, sensors.rate, sensors.sampling, everything.bandwidths)
         planar = PlanarProblem(
-            signals=np.ascontiguousarray(samples.signals[:, :3]),
-            sensor_errors=per_interval(errors, RATES, 1.0 / sensors.rate),
+            # The algorithm reads three channels; the others show in them by misalignment.
+            signals=samples.signals,
+            sensor_errors=per_interval(errors, ALL_RATES, 1.0 / sensors.rate),
             initial_deviations=initial_deviations(model.initial),
             truth=_flat(samples.truth, samples.signals),
             interval=1.0 / sensors.rate,

@@ -50,8 +50,9 @@ class PlanarProblem:
     """Arrays and numbers of the planar kernel; see ``mcsim.kernels.planar.simulate``.
 
     ``signals`` (n + 1, 3) and all sensor errors hold turns per interval in the place of yaw
-    rates; ``initial_deviations`` (4,) are those of speed, direction, heading and course;
-    ``truth`` is the true motion at the samples 0 ... n.
+    rates; further columns are channels that show in the three by misalignment.
+    ``initial_deviations`` (4,) are those of speed, direction, heading and course; ``truth`` is
+    the true motion at the samples 0 ... n.
     """
 
     signals: Array

@@ -38,7 +38,7 @@ CHANNELS = (
     Channel(GYROSCOPE, 1),
 )
 _TURNS = [2, 4, 5]
-_RATES = (False, False, True, False, True, True)
+RATES = (False, False, True, False, True, True)
 _METHODS = {
     "rectangular": kernel.RECTANGULAR,
     "forward_euler": kernel.FORWARD_EULER,
@@ -84,7 +84,7 @@ class StrapdownProblem:
         sensors = model.sensors
         errors = channel_errors(sensors, CHANNELS, drive.drive.duration)
         samples = sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
-        errors = per_interval(errors, _RATES, 1.0 / sensors.rate)
+        errors = per_interval(errors, RATES, 1.0 / sensors.rate)
         return cls(
             signals=samples.signals,
             sensor_errors=errors,

@@ -210,7 +210,11 @@ def file_element(path: Path, kind: str) -> Mapping[str, Any]:
     sensor = load_file(path)
     if kind not in sensor.elements:
         raise InputError(f"{path}: has no {kind}")
-    block = sensor.elements[kind]
+    return scenario_quantities(sensor.elements[kind], kind)
+
+
+def scenario_quantities(block: Mapping[str, Any], kind: str) -> Mapping[str, Any]:
+    """What a scenario takes from an element's block of a sensor file."""
     axes = block.get("axes") or {}
     of_axes = [axes.get(axis, {}) for axis in "xyz"]
     return {

@@ -102,9 +102,8 @@ def _draw_courses(axes: Axes, tracks: pd.DataFrame) -> None:
 
 
 def _draw_ends(axes: Axes, tracks: pd.DataFrame, sigmas: float) -> None:
-    ends = tracks.groupby("realization").last()
-    truth = ends.loc[-1]
-    errors = (ends.drop(index=-1) - truth)[["along [m]", "across [m]"]].to_numpy()
+    ends = tracks.groupby("realization")[["along [m]", "across [m]"]].last()
+    errors = (ends.drop(index=-1) - ends.loc[-1]).to_numpy()
     axes.plot(errors[:, 0], errors[:, 1], ".", color=_SAMPLE, markersize=4)
     axes.plot(0.0, 0.0, "+", color=_TRUTH, markersize=9, markeredgewidth=1.6)
     if len(errors) >= _FEWEST_ENDS:

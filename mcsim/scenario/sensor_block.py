@@ -151,7 +151,8 @@ class AccelerometerErrors(_Element):
     turn_on_bias: Accelerations | None = None
     """Standard deviation of the bias drawn at each turn-on."""
     bias_instability: Accelerations | None = None
-    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B."""
+    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B. Its longest
+    correlation time is ten times the run (with `calibration`, run and rest together)."""
     acceleration_random_walk: AccelerationRandomWalks | None = None
     """Allan's K."""
     gauss_markov: AccelerationProcess | None = None
@@ -184,7 +185,8 @@ class GyroscopeErrors(_Element):
     g_sensitivity: GSensitivities | None = None
     """Standard deviation of the bias that an acceleration brings."""
     bias_instability: AngularRates | None = None
-    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B."""
+    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B. Its longest
+    correlation time is ten times the run (with `calibration`, run and rest together)."""
     rate_random_walk: RateRandomWalks | None = None
     """Allan's K."""
     gauss_markov: RateProcess | None = None

@@ -65,9 +65,18 @@ class Sensors(Block):
     accelerometer: Annotated[Accelerometer, named_element("accelerometer")]
     gyroscope: Annotated[Gyroscope, named_element("gyroscope")]
     time_jitter: Annotated[Time, NotNegative, Le(1.0)] = 0.0
-    """Standard deviation of the instants at which samples are really taken."""
+    """Standard deviation of the instants at which samples are really taken; to first order,
+    by the slope between the neighbouring samples."""
     calibration: BiasCalibration | None = None
     """Replaces the constant offsets by what is left after calibrating at rest."""
+
+    @model_validator(mode="after")
+    def _jitter_is_small(self) -> Sensors:
+        if self.time_jitter * self.rate > 0.5:
+            raise reject(
+                f"time_jitter must be at most half a sampling interval, {0.5 / self.rate:.4g} s"
+            )
+        return self
 
     @property
     def files(self) -> tuple[str, ...]:

@@ -57,9 +57,9 @@ class Body(Block):
     grade: Annotated[Angle, Ge(-_STEEPEST), Le(_STEEPEST)] = 0.0
     """Slope of the road's plane in its initial direction, uphill positive."""
     roll: Response = Response()
-    """Outwards under leftward acceleration."""
+    """Outwards under leftward acceleration, to which gravity adds on a bank."""
     pitch: Response = Response()
-    """Nose down under deceleration."""
+    """Nose down under deceleration, to which gravity adds on a grade."""
     gravity: Annotated[Acceleration, Positive, Le(30.0)] = STANDARD_GRAVITY
     """Local gravity."""
 

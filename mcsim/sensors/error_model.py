@@ -86,12 +86,17 @@ class ChannelErrors:
 
 
 def channel_errors(
-    sensors: Sensors, channels: Sequence[Channel], duration: float, gravity: float = 0.0
+    sensors: Sensors,
+    channels: Sequence[Channel],
+    duration: float,
+    gravity: float = 0.0,
+    further: Sequence[Channel] = (),
 ) -> ChannelErrors:
     """The error parameters of the channels of a case.
 
     ``duration`` (s) is that of the run, which flicker noise has to span; ``gravity`` (m/s^2) is
-    the constant specific force that no channel measures.
+    the constant specific force that no channel measures.  ``further`` channels are not measured
+    but show in those that are, by misalignment and g-sensitivity.
     """
     elements = {
         ACCELEROMETER: signal_errors(sensors.accelerometer),
@@ -119,7 +124,7 @@ def channel_errors(
         # At rest gravity is there as well: calibration takes its effect away.
         gravity_bias=0.0 * white if calibrated else gravity * _sensitivities(elements, channels),
         processes=processes,
-        mixing=tuple(_mixing(elements, channels)),
+        mixing=tuple(_mixing(elements, channels, (*channels, *further))),
         ranges=of("range"),
         resolutions=of("resolution"),
         spike_rates=np.array([elements[c.element].spike_rate for c in channels]),
@@ -166,13 +171,15 @@ def _sensitivities(elements: dict[str, SignalErrors], channels: Sequence[Channel
     )
 
 
-def _mixing(elements: dict[str, SignalErrors], channels: Sequence[Channel]) -> list[Mixing]:
+def _mixing(
+    elements: dict[str, SignalErrors], channels: Sequence[Channel], sources: Sequence[Channel]
+) -> list[Mixing]:
     """Scale factors, angles between the axes of an element, g-sensitivity of gyroscopes."""
     entries = []
     for i, target in enumerate(channels):
         own = elements[target.element]
         name = target.element
-        for k, source in enumerate(channels):
+        for k, source in enumerate(sources):
             if i == k:
                 entry = Mixing(i, k, float(own.scale_factor[target.axis]), f"{name} scale factor")
             elif source.element == target.element:
@@ -193,8 +200,12 @@ def saturates(errors: ChannelErrors, signals: Array, spread: Array) -> bool:
 
 
 def per_interval(errors: ChannelErrors, rates: Sequence[bool], interval: float) -> ChannelErrors:
-    """The same errors with increments per sampling interval in the place of angular rates."""
-    factor = np.where(rates, interval, 1.0)
+    """The same errors with increments per sampling interval in the place of angular rates.
+
+    ``rates`` tells which of the channels, measured ones first, are angular rates.
+    """
+    factors = np.where(rates, interval, 1.0)
+    factor = factors[: len(errors.white)]
     return replace(
         errors,
         white=factor * errors.white,
@@ -203,7 +214,7 @@ def per_interval(errors: ChannelErrors, rates: Sequence[bool], interval: float) 
         gravity_bias=factor * errors.gravity_bias,
         processes=tuple(p.scaled(float(f)) for p, f in zip(errors.processes, factor, strict=True)),
         mixing=tuple(
-            replace(m, deviation=m.deviation * float(factor[m.target] / factor[m.source]))
+            replace(m, deviation=m.deviation * float(factors[m.target] / factors[m.source]))
             for m in errors.mixing
         ),
         ranges=factor * errors.ranges,

@@ -78,6 +78,8 @@ class Measurement:
     def of(cls, errors: ChannelErrors, signals: Array, interval: float) -> Measurement:
         """Errors of channels that measure ``signals`` (n + 1, c).
 
+        Further columns of ``signals`` are not measured but may show in the others.
+
         Raises
         ------
         InputError
@@ -90,15 +92,16 @@ class Measurement:
                 "mcsim allows; shorten the drive, lower `sensors.rate`, or leave out "
                 "bias_instability, random walks and gauss_markov"
             )
-        slopes = np.gradient(signals, axis=0) / interval
+        c = len(errors.white)
+        own = signals[:, :c]
+        slopes = np.gradient(own, axis=0) / interval
         spread = _WIDE * _spread(errors, signals)
-        ranged = saturates(errors, signals, spread)
+        ranged = saturates(errors, own, spread)
         digital = ranged or bool(np.any(errors.resolutions))
         probability = np.minimum(errors.spike_rates * interval, 1.0)
         spiky = bool(np.any(probability * errors.spike_amplitudes))
         coloured = any(p.count for p in errors.processes)
         plain = not (errors.mixing or coloured or digital or spiky or errors.time_jitter > 0.0)
-        c = signals.shape[1]
         return cls(
             errors=errors,
             white=errors.white,
@@ -283,6 +286,6 @@ def _spread(errors: ChannelErrors, signals: Array) -> Array:
     for entry in errors.mixing:
         variance[entry.target] += (entry.deviation * largest[entry.source]) ** 2
     if errors.time_jitter > 0.0 and len(signals) > 1:
-        steps = np.max(np.abs(np.diff(signals, axis=0)), axis=0)
+        steps = np.max(np.abs(np.diff(signals[:, : len(variance)], axis=0)), axis=0)
         variance += steps**2
     return np.asarray(np.sqrt(variance) + errors.resolutions / math.sqrt(12.0), float)

@@ -186,7 +186,14 @@ def read_vibration(path: Path, sensor: str | None = None) -> VibrationScenario:
     if sensor is not None:
         tree = {**document.tree, "sensor": sensor}
         document = replace(document, tree=tree, overrides={("sensor",): "--sensor"})
-    return validate(document, VibrationScenario)
+    scenario = validate(document, VibrationScenario)
+    errors = scenario.sensor
+    if errors.model and errors.noise_density is None and errors.velocity_random_walk is None:
+        raise InputError(
+            f"{document.place(('sensor',))}: sensor: {errors.model}: its source gives no noise "
+            f"density; write `sensor: {{model: {errors.model}, noise_density: …}}`"
+        )
+    return scenario
 
 
 def vibration_schema() -> dict[str, Any]:
