@@ -249,6 +249,19 @@ def test_help_imports_nothing_heavy():
     assert result.stdout.strip().endswith("[]")
 
 
+def test_a_plain_run_does_not_import_what_takes_a_second(scenario_file, tmp_path):
+    path = scenario_file(BASE_YAML)
+    code = (
+        "import sys; from mcsim.cli.main import exit_code;"
+        f"exit_code(['run', {str(path)!r}, '--quiet', '--output', {str(tmp_path)!r}]);"
+        "print(sorted({'scipy.signal', 'scipy.stats', 'dask', 'rosbags'} & sys.modules.keys()))"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert result.stdout.strip() == "[]"
+
+
 def test_messages_reach_a_closed_pipe_quietly(scenario_file):
     path = scenario_file(BASE_YAML)
     result = subprocess.run(

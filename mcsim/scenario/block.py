@@ -12,7 +12,10 @@ from mcsim.scenario.fields import reject
 class Block(BaseModel):
     """Base of all blocks: unknown keys are errors, values never change."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    # Models are built when first used: a run uses those of one case.
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, use_attribute_docstrings=True, defer_build=True
+    )
 
 
 def _no_boolean(value: Any) -> Any:

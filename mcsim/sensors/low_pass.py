@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from mcsim.sensors.sampling import IIR_HALF_LENGTH, Signals, oversampling
 
@@ -44,6 +43,8 @@ def behind_low_pass(
 
 def _filtered(x: Array, bandwidth: float, step: float) -> Array:
     """Exact for an input that is linear between the samples."""
+    from scipy.signal import lfilter
+
     if not np.isfinite(bandwidth):
         return x
     ratio = 2.0 * np.pi * bandwidth * step

@@ -94,9 +94,9 @@ class Measurement:
             )
         c = len(errors.white)
         own = signals[:, :c]
-        slopes = np.gradient(own, axis=0) / interval
-        spread = _WIDE * _spread(errors, signals)
-        ranged = saturates(errors, own, spread)
+        ranged = bool(np.any(np.isfinite(errors.ranges))) and saturates(
+            errors, own, _WIDE * _spread(errors, signals)
+        )
         digital = ranged or bool(np.any(errors.resolutions))
         probability = np.minimum(errors.spike_rates * interval, 1.0)
         spiky = bool(np.any(probability * errors.spike_amplitudes))
@@ -115,7 +115,9 @@ class Measurement:
                 innovations_of(p, float(white), len(signals))
                 for p, white in zip(errors.processes, errors.white, strict=True)
             ),
-            jitter=slopes * errors.time_jitter if errors.time_jitter > 0.0 else np.zeros((0, c)),
+            jitter=np.gradient(own, axis=0) * (errors.time_jitter / interval)
+            if errors.time_jitter > 0.0
+            else np.zeros((0, c)),
             spike_thresholds=np.round(probability * 2.0**31).astype(np.uint32)
             if spiky
             else np.zeros(0, np.uint32),
@@ -234,6 +236,8 @@ class Measurement:
                 add(f"{element} {source}", of_offset[:, k] * deviation[k] ** 2)
             for term, variance in term_variances(weights[:, :, k], errors.processes[k]).items():
                 add(f"{element} {term}", variance)
+            if not (errors.resolutions[k] or len(self.spike_thresholds)):
+                continue
             each = np.sum(weights[:, :, k] ** 2, axis=1)
             # A rounding error is uniform over a step, where the noise is no smaller.
             add(f"{element} quantisation", each * errors.resolutions[k] ** 2 / 12.0)

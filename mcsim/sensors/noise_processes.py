@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 
@@ -44,6 +43,8 @@ class GaussMarkov:
 
     def take(self, count: int) -> Array:
         """The next ``count`` values, (count, axes)."""
+        from scipy.signal import lfilter
+
         noise = self._random.standard_normal((count, len(self._decay))) * self._step_deviation
         values = np.empty_like(noise)
         for axis, decay in enumerate(self._decay):
@@ -113,6 +114,8 @@ class LowPass:
 
     def pass_on(self, signal: Array) -> Array:
         """The filtered signal, (n, axes); axes without a low-pass are unchanged."""
+        from scipy.signal import lfilter
+
         if not len(signal):
             return signal
         if self._state is None:
