@@ -74,8 +74,9 @@ def interleaved(variants: dict[str, Callable[[], int]], rounds: int) -> dict[str
     return {name: statistics.median(values) for name, values in times.items()}
 
 
-def scenario(**overrides: str) -> Scenario:
-    return Scenario.from_yaml(BASE, ["sweep=null", *(f"{k}={v}" for k, v in overrides.items())])
+def scenario(**overrides: str | None) -> Scenario:
+    given = (f"{path}={'null' if v is None else v}" for path, v in overrides.items())
+    return Scenario.from_yaml(BASE, ["sweep=null", *given])
 
 
 def kernel_speed(rounds: int) -> dict[str, object]:
