@@ -56,43 +56,32 @@ def tilt_factors(theta, order):
 
 
 @scalar
+def _drawn(k, j, inputs, uncertainties, constants):
+    """Input ``k`` of lane ``j``: its estimate and what was drawn for it."""
+    return inputs[k] + uncertainties[k] * np.float64(constants[k * LANES + j])
+
+
+@scalar
 def _start_groups(constants, inputs, uncertainties, order, state):
     """The four numbers of each lane, Eq. (4), (5), (15), (19), (20)."""
     for j in range(LANES):
         x = 0.0
         z = 0.0
         for axis in range(3):
-            rest = inputs[_RX + axis] + uncertainties[_RX + axis] * np.float64(
-                constants[(_RX + axis) * LANES + j]
-            )
-            bias = inputs[_BX + axis] + uncertainties[_BX + axis] * np.float64(
-                constants[(_BX + axis) * LANES + j]
-            )
-            lx = inputs[_LXX + axis] + uncertainties[_LXX + axis] * np.float64(
-                constants[(_LXX + axis) * LANES + j]
-            )
-            lz = inputs[_LZX + axis] + uncertainties[_LZX + axis] * np.float64(
-                constants[(_LZX + axis) * LANES + j]
-            )
-            x += lx * (rest - bias)
-            z += lz * (rest - bias)
-        theta = math.atan2(x, z) + uncertainties[_TILT] * np.float64(constants[_TILT * LANES + j])
-        p, q = tilt_factors(theta, order)
-        g = inputs[_G] + uncertainties[_G] * np.float64(constants[_G * LANES + j])
+            rest = _drawn(_RX + axis, j, inputs, uncertainties, constants)
+            rest -= _drawn(_BX + axis, j, inputs, uncertainties, constants)
+            x += _drawn(_LXX + axis, j, inputs, uncertainties, constants) * rest
+            z += _drawn(_LZX + axis, j, inputs, uncertainties, constants) * rest
+        change = _drawn(_TILT, j, inputs, uncertainties, constants)
+        p, q = tilt_factors(math.atan2(x, z) + change, order)
+        g = _drawn(_G, j, inputs, uncertainties, constants)
         k0 = 0.0
         for axis in range(3):
-            lx = inputs[_LXX + axis] + uncertainties[_LXX + axis] * np.float64(
-                constants[(_LXX + axis) * LANES + j]
-            )
-            lz = inputs[_LZX + axis] + uncertainties[_LZX + axis] * np.float64(
-                constants[(_LZX + axis) * LANES + j]
-            )
-            bias = inputs[_BX + axis] + uncertainties[_BX + axis] * np.float64(
-                constants[(_BX + axis) * LANES + j]
-            )
+            lx = _drawn(_LXX + axis, j, inputs, uncertainties, constants)
+            lz = _drawn(_LZX + axis, j, inputs, uncertainties, constants)
             k = (p * lx - q * lz) * g
             state[_KX + axis * LANES + j] = k
-            k0 -= k * bias
+            k0 -= k * _drawn(_BX + axis, j, inputs, uncertainties, constants)
         state[_K0 + j] = k0
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -65,24 +64,11 @@ class ChannelErrors:
     spike_amplitudes: Array
     bandwidths: tuple[float, ...]
     time_jitter: float
-    calibrated: bool
 
     @property
     def offsets(self) -> Array:
         """Standard deviation of all constant offsets together (c,)."""
         return np.sqrt(self.miscalibration**2 + self.turn_on_bias**2 + self.gravity_bias**2)
-
-    @property
-    def plain(self) -> bool:
-        """Whether there is nothing but white noise and constant offsets."""
-        return (
-            not self.mixing
-            and all(p.count == 0 for p in self.processes)
-            and bool(np.all(np.isinf(self.ranges)))
-            and not np.any(self.resolutions)
-            and not np.any(self.spike_rates * self.spike_amplitudes)
-            and self.time_jitter == 0.0
-        )
 
 
 def channel_errors(
@@ -131,7 +117,6 @@ def channel_errors(
         spike_amplitudes=np.array([elements[c.element].spike_amplitude for c in channels]),
         bandwidths=tuple(map(float, of("bandwidth"))),
         time_jitter=sensors.time_jitter,
-        calibrated=calibrated,
     )
 
 
@@ -196,7 +181,7 @@ def _mixing(
 def saturates(errors: ChannelErrors, signals: Array, spread: Array) -> bool:
     """Whether a channel's range can matter: signals (n, c), ``spread`` (c,) what errors may add."""
     reach = np.max(np.abs(signals), axis=0) + spread + errors.spike_amplitudes
-    return bool(np.any(reach > errors.ranges)) and not math.isinf(float(np.min(errors.ranges)))
+    return bool(np.any(reach > errors.ranges))
 
 
 def per_interval(errors: ChannelErrors, rates: Sequence[bool], interval: float) -> ChannelErrors:
