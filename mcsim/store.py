@@ -7,7 +7,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
@@ -234,10 +234,15 @@ class Checkpoint:
         with readable_errors(self.path.parent):
             self.path.parent.mkdir(parents=True, exist_ok=True)
             file = self.path.open("a", encoding="utf-8")
-        with file:
-            yield lambda index, result: _append(file, _encode(index, result))
-        if self.path.stat().st_size == 0:
-            self.remove()
+        try:
+            with file:
+                yield lambda index, result: _append(file, _encode(index, result))
+        finally:
+            # Interrupted before the first point, too: nothing is kept, nothing is left.
+            if self.path.stat().st_size == 0:
+                self.remove()
+                with suppress(OSError):  # the folder holds other files
+                    self.path.parent.rmdir()
 
     def remove(self) -> None:
         """Forget the points: the results are written."""

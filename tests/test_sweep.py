@@ -336,3 +336,20 @@ def test_an_undefined_error_has_no_budget():
         }
     )
     assert set(mcsim.run(s).budget["error"]) == set(ERRORS) - {"course"}
+
+
+def test_a_run_interrupted_before_its_first_point_leaves_nothing(tmp_path):
+    checkpoint = Checkpoint.of(Scenario.from_yaml(BASE_YAML), tmp_path / "case")
+
+    def interrupted():
+        with checkpoint.writer():
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "case").mkdir()
+    (tmp_path / "case" / "table.csv").touch()
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert files_of(tmp_path / "case") == ["table.csv"]
