@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 TABLE, PROVENANCE, CHECKPOINT = "table", "provenance.json", ".checkpoint-"
 #: Tables beside the main one; each as CSV and Parquet.
 _EXTRA_TABLES = ("budget", "history", "tracks")
+_PICTURES = ("png", "svg")
 
 
 def save(results: Results, folder: Path) -> list[Path]:
@@ -51,8 +52,7 @@ def save(results: Results, folder: Path) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         for name, table in tables.items():
             if table is None:
-                for ending in ("csv", "parquet", "png", "svg"):
-                    (folder / f"{name}.{ending}").unlink(missing_ok=True)
+                _remove(folder, name, ("csv", "parquet", *_PICTURES))
                 continue
             written += [
                 write_whole(folder / f"{name}.csv", _csv_writer(table)),
@@ -61,6 +61,24 @@ def save(results: Results, folder: Path) -> list[Path]:
         text = json.dumps(results.provenance, indent=2, ensure_ascii=False) + "\n"
         written.append(write_whole(folder / PROVENANCE, lambda path: _write_text(path, text)))
     return written
+
+
+def remove_figures(folder: Path) -> None:
+    """Remove the pictures of an earlier run, which would not belong to new tables.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written.
+    """
+    with readable_errors(folder):
+        for name in ("figure", "tracks"):
+            _remove(folder, name, _PICTURES)
+
+
+def _remove(folder: Path, name: str, endings: tuple[str, ...]) -> None:
+    for ending in endings:
+        (folder / f"{name}.{ending}").unlink(missing_ok=True)
 
 
 def write_table(table: pd.DataFrame, folder: Path, name: str) -> Path:

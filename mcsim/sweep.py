@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Protocol
 from mcsim.cases import check_point, problem_of
 from mcsim.engine import PointResult, point_key, run_point
 from mcsim.errors import InputError, McsimError
+from mcsim.processors import default_jobs
 from mcsim.scenario import Point, Scenario
 
 
@@ -89,11 +89,6 @@ def describe_point(scenario: Scenario, point: Point) -> str:
 def reason(error: Exception) -> str:
     """Why a point failed: our own messages as they are, others with their kind."""
     return str(error) if isinstance(error, McsimError) else f"{type(error).__name__}: {error}"
-
-
-def default_jobs() -> int:
-    """The processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def run_sweep(

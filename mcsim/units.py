@@ -22,6 +22,7 @@ import re
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from mcsim.errors import UnitError
 
@@ -205,6 +206,7 @@ _WORDS = {
 }
 
 
+@lru_cache(1024)
 def canonical_unit(text: str) -> str:
     """The table's spelling of a unit: ``deg/s/sqrt(Hz)`` becomes ``°/s/√Hz``."""
     unit = unicodedata.normalize("NFC", text)

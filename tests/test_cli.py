@@ -308,13 +308,29 @@ def test_a_kill_while_drawing_loses_nothing(scenario_file, tmp_path, monkeypatch
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    path = scenario_file(BASE_YAML)
+    arguments = ["run", str(scenario_file(BASE_YAML)), "--quiet", "--output", str(tmp_path)]
     monkeypatch.setattr(figures, "save_figures", interrupted)
-    assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 130
+    assert exit_code(arguments) == 130
     assert list((tmp_path / "case").glob(".checkpoint-*"))
     monkeypatch.setattr(figures, "save_figures", real)
-    assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 0
+    assert exit_code(arguments) == 0
     assert not list((tmp_path / "case").glob(".checkpoint-*"))
+
+
+def test_figures_can_be_left_out_and_drawn_later(scenario_file, tmp_path, capsys):
+    path = scenario_file(BASE_YAML + "outputs: {tracks: 3}\n")
+    folder = tmp_path / "case"
+    pictures = {"figure.png", "figure.svg", "tracks.png", "tracks.svg"}
+    assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 0
+    with_pictures = {p.name for p in folder.iterdir()}
+    assert pictures < with_pictures
+    capsys.readouterr()
+    # Pictures of an earlier run go: they would not belong to the new tables.
+    assert exit_code(["run", str(path), "--no-figures", "--output", str(tmp_path)]) == 0
+    assert {p.name for p in folder.iterdir()} == with_pictures - pictures
+    assert "figure.png" not in capsys.readouterr().out
+    assert exit_code(["plot", str(folder)]) == 0
+    assert {p.name for p in folder.iterdir()} == with_pictures
 
 
 def test_too_many_histories_are_refused_before_the_run(scenario_file, tmp_path, capsys):

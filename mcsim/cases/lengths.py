@@ -29,7 +29,7 @@ def mean_length(centre: Array, covariance: Array) -> float:
     if scale <= 0.0:
         return 0.0
     values, squares = values / scale, squares / scale
-    x = np.linspace(-38.0, 38.0, 3041)
+    x = np.linspace(-38.0, 38.0, 761)
     t = np.exp(2.0 * x)[:, None]
     log_mgf = -np.sum(0.5 * np.log1p(2.0 * t * values) + t * squares / (1.0 + 2.0 * t * values), 1)
     integrand = -np.expm1(log_mgf) * np.exp(-x)

@@ -1,26 +1,42 @@
-"""Pictures of stored results, drawn by other processes while the next scenario runs."""
+"""Pictures of stored results, drawn by other processes while the next scenario runs.
+
+One process imports what drawing needs while the first scenario is still simulated; those
+that draw are forked from it.  Where there is no such thing, each process imports for itself.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
-from multiprocessing import get_context
+from importlib import import_module
+from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
 from types import TracebackType
 from typing import Any
+
+#: What drawing imports.
+_NEEDED = ("mcsim.cli.main", "mcsim.figures", "mcsim.store", "pyarrow.parquet")
 
 
 class Drawing:
     """Draws in ``jobs`` processes; with one job, at once and in this process."""
 
     def __init__(self, jobs: int) -> None:
+        self._jobs = jobs
         self._pool: Executor | None = None
-        if jobs > 1:
-            # Fresh processes: those forked beside running threads may hang.
-            self._pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
-            for _ in range(jobs):
-                self._pool.submit(_get_ready)
         self._drawn: list[Future[None]] = []
+        if jobs == 1:
+            return
+        # Never forked from this process: beside running threads that may hang.
+        if "forkserver" in get_all_start_methods():
+            from multiprocessing import forkserver
+
+            forkserver.set_forkserver_preload(list(_NEEDED))
+            forkserver.ensure_running()
+        else:
+            pool = self._start("spawn")
+            for _ in range(jobs):
+                pool.submit(_get_ready)
 
     def __enter__(self) -> Drawing:
         return self
@@ -46,15 +62,22 @@ class Drawing:
         self._submit(draw_side_by_side, parts, title, folder)
 
     def _submit(self, task: Callable[..., None], *arguments: Any) -> None:
-        if self._pool is None:
+        if self._jobs == 1:
             task(*arguments)
-        else:
-            self._drawn.append(self._pool.submit(task, *arguments))
+            return
+        # Not before the first picture: it waits until the imports are done.
+        pool = self._pool or self._start("forkserver")
+        self._drawn.append(pool.submit(task, *arguments))
+
+    def _start(self, method: str) -> Executor:
+        self._pool = ProcessPoolExecutor(self._jobs, mp_context=get_context(method))
+        return self._pool
 
 
 def _get_ready() -> None:
     """Import what drawing needs while the first scenario still runs."""
-    from mcsim import figures, store  # noqa: F401
+    for module in _NEEDED:
+        import_module(module)
 
 
 def draw_one(folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
@@ -44,7 +45,10 @@ _QUIET = click.option("--quiet", is_flag=True, help="No progress, no summary.")
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
-    sys.exit(exit_code(arguments))
+    code = exit_code(arguments)
+    # The interpreter would look through all of numba's objects before it goes.
+    gc.freeze()
+    sys.exit(code)
 
 
 def exit_code(arguments: Sequence[str] | None = None) -> int:
@@ -110,6 +114,7 @@ commands.add_command(table)
 @click.option("--realizations", type=int, help="Realizations per point.")
 @click.option("--linear", is_flag=True, help="The linear model's answer, at once.")
 @click.option("--dask", metavar="ADDRESS", help="Run the points on this Dask scheduler's workers.")
+@click.option("--no-figures", is_flag=True, help="Tables only; `mcsim plot` draws them later.")
 @click.option("--dry-run", is_flag=True, help="Say what would be run, and stop.")
 @_JOBS
 @_OUTPUT
@@ -121,6 +126,7 @@ def run(
     realizations: int | None,
     linear: bool,
     dask: str | None,
+    no_figures: bool,
     dry_run: bool,
     jobs: int | None,
     output: Path,
@@ -138,11 +144,13 @@ def run(
             click.echo(_plan(scenario))
         return
     failures = []
+    draw = _leave_undrawn if no_figures else None
     for scenario in read:
-        results = _run_one(scenario, jobs, output, quiet, dask=dask)
+        results = _run_one(scenario, jobs, output, quiet, draw, dask)
         failures += results.failures
         if not quiet:
-            _report(results, output / scenario.name)
+            names = ["table.csv"] if no_figures else ["table.csv", "figure.png"]
+            _report(results, [output / scenario.name / name for name in names])
     _raise_failures(failures)
 
 
@@ -206,7 +214,7 @@ def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: boo
     from mcsim.cli.drawing import Drawing
     from mcsim.cli.paper import GROUPS, figure_numbers, figure_scenarios, shipped, title_of
     from mcsim.cli.velocity_paper import FIGURES, draw_figure
-    from mcsim.sweep import default_jobs
+    from mcsim.processors import default_jobs
 
     failures, pictures = [], []
     wanted = figure_numbers(numbers, FIGURES)
@@ -311,13 +319,21 @@ def _run_one(
         ) from None
 
 
-def _report(results: Results, folder: Path) -> None:
+def _leave_undrawn(results: Results, folder: Path) -> None:
+    """Draw nothing; remove the figures of an earlier run, which would not belong to the tables."""
+    from mcsim.store import remove_figures
+
+    del results
+    remove_figures(folder)
+
+
+def _report(results: Results, files: Sequence[Path]) -> None:
     from mcsim.cli.tables import summary
 
     if not results.scenario.axes:
         click.echo(summary(results))
     _note(results)
-    click.echo(f"{results.scenario.name}: {folder / 'table.csv'}, {folder / 'figure.png'}")
+    click.echo(f"{results.scenario.name}: {', '.join(map(str, files))}")
 
 
 def _note(results: Results) -> None:

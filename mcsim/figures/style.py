@@ -5,12 +5,15 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
@@ -73,19 +76,24 @@ def spans_decades(values: Sequence[float] | NDArray[np.float64]) -> bool:
 def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
     """Write ``name.png`` and ``name.svg``, whole or not at all, without a date inside."""
     with house_style(), readable_errors(folder):
-        # Arranged once; writing each format would do it again.
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-        return [
-            write_whole(
-                folder / f"{name}.png",
-                lambda path: figure.savefig(path, dpi=_DPI, metadata={"Software": None}),
-            ),
-            write_whole(
-                folder / f"{name}.svg",
-                lambda path: figure.savefig(path, metadata={"Date": None, "Creator": None}),
-            ),
-        ]
+        # Arranged once, and drawn once for each format: ``savefig`` would do both again.
+        if (layout := figure.get_layout_engine()) is not None:
+            layout.execute(figure)
+            figure.set_layout_engine("none")
+        svg = write_whole(folder / f"{name}.svg", partial(_print_svg, figure))
+        png = write_whole(folder / f"{name}.png", partial(_print_png, figure))
+        return [png, svg]
+
+
+def _print_svg(figure: Figure, path: Path) -> None:
+    canvas: Any = FigureCanvasSVG(figure)
+    canvas.print_svg(path, metadata={"Date": None, "Creator": None})
+
+
+def _print_png(figure: Figure, path: Path) -> None:
+    figure.set_dpi(_DPI)
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.print_png(path, metadata={"Software": None})
 
 
 def log_scale(axes: Axes, which: Literal["x", "y"], values: Sequence[float]) -> None:

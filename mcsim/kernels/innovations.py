@@ -85,6 +85,35 @@ def innovations(
 
 
 @kernel
+def fold(
+    weights: Array, deviations: Array, gains: Array, decay: Array, later: Array, folded: Array
+) -> None:
+    """Weights of a channel's samples as weights of their unit normals.
+
+    A normal acts on its own sample and, through the processes, on all later ones.
+
+    Parameters
+    ----------
+    weights : float64 (e, n)
+        Of the samples, for each of e errors.
+    deviations, gains, decay : float64 (n,), (n, m), (m,)
+        As ``innovations`` writes them.
+    later : float64 (m,), overwritten
+        Room for what the processes carry on.
+    folded : float64 (e, n), written
+    """
+    for e in range(weights.shape[0]):
+        later[:] = 0.0
+        for k in range(weights.shape[1] - 1, -1, -1):
+            total = weights[e, k] * deviations[k]
+            for s in range(len(decay)):
+                # ``later`` sums decay^(distance) weight over the samples after this one.
+                total += later[s] * gains[k, s]
+                later[s] = weights[e, k] + decay[s] * later[s]
+            folded[e, k] = total
+
+
+@kernel
 def watched(
     decay: Array, step_variance: Array, white: float, samples: int, covariance: Array
 ) -> None:

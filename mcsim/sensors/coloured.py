@@ -166,14 +166,19 @@ def folded(weights: Array, innovations: Innovations) -> Array:
 
     A normal acts on its own sample and, through the processes, on all later ones.
     """
-    from scipy.signal import lfilter
+    from mcsim.kernels.innovations import fold
 
-    result = weights * innovations.deviations
-    for s, decay in enumerate(innovations.decay):
-        # Sum over the later samples of decay^(distance) weight.
-        later = lfilter([1.0], [1.0, -decay], weights[:, ::-1], axis=1)[:, ::-1]
-        result[:, :-1] += later[:, 1:] * innovations.gains[:-1, s]
-    return np.asarray(result, float)
+    result = np.empty(weights.shape)
+    later = np.empty(len(innovations.decay))
+    fold(
+        np.ascontiguousarray(weights),
+        innovations.deviations,
+        innovations.gains,
+        innovations.decay,
+        later,
+        result,
+    )
+    return result
 
 
 def term_variances(weights: Array, processes: Processes) -> Mapping[str, Array]:

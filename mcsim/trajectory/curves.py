@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _PANELS_PER_PIECE = 256
+#: Newton's steps, and the share of the parameter's range under which one step more is rounding.
+_MOST_STEPS, _SMALL_STEP = 6, 1e-8
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,7 @@ class ParametricCurve:
         self._evaluate = evaluate
         self._arc = _Cumulative(self._speed, pieces)
         self.length = float(self._arc.at_knots[-1])
+        self._pace = 1.0 / self._speed(self._arc.knots)
         self.breaks = tuple(float(s) for s in self._arc(pieces[1:-1]))
         start = evaluate(pieces[:1])
         self._origin = (float(start.x[0]), float(start.y[0]))
@@ -96,12 +99,28 @@ class ParametricCurve:
         d = self._evaluate(u)
         return np.hypot(d.dx, d.dy)
 
+    def _guess(self, s: Array) -> Array:
+        """The inverse of the arc length by cubic Hermite interpolation between the knots."""
+        knots, at_knots = self._arc.knots, self._arc.at_knots
+        i = np.clip(np.searchsorted(at_knots, s, side="right") - 1, 0, len(knots) - 2)
+        width = at_knots[i + 1] - at_knots[i]
+        x = (s - at_knots[i]) / width
+        rise = x * x * (3.0 - 2.0 * x)
+        start, end = width * self._pace[i], width * self._pace[i + 1]
+        bend = x * (1.0 - x) * ((1.0 - x) * start - x * end)
+        guess: Array = knots[i] + rise * (knots[i + 1] - knots[i]) + bend
+        return guess
+
     def parameter(self, s: Array) -> Array:
-        """The parameter at arc length ``s``: linear guess, then Newton to rounding."""
-        u = np.interp(s, self._arc.at_knots, self._arc.knots)
-        for _ in range(4):
-            u = u - (self._arc(u) - s) / self._speed(u)
-            u = np.clip(u, self._arc.knots[0], self._arc.knots[-1])
+        """The parameter at arc length ``s``: cubic guess, then Newton to rounding."""
+        first, last = self._arc.knots[0], self._arc.knots[-1]
+        u = np.clip(self._guess(s), first, last)
+        for _ in range(_MOST_STEPS):
+            step = (self._arc(u) - s) / self._speed(u)
+            u = np.clip(u - step, first, last)
+            # The error of the next guess is of the order of the step's square.
+            if np.all(np.abs(step) <= _SMALL_STEP * (last - first)):
+                break
         return u
 
     def at(self, s: Array) -> CurvePoints:
