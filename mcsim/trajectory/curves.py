@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+# So many panels that four nodes each are exact to rounding.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _PANELS_PER_PIECE = 256
 #: Newton's steps, and the share of the parameter's range under which one step more is rounding.
 _MOST_STEPS, _SMALL_STEP = 6, 1e-8

@@ -59,10 +59,11 @@ def lane_change(profile: str, length: float, width: float) -> Profile:
 
     def half_cosine(u: Array) -> tuple[Array, Array, Array]:
         k = np.pi / length
+        cos = np.cos(k * u)
         return (
-            0.5 * width * (1.0 - np.cos(k * u)),
+            0.5 * width * (1.0 - cos),
             0.5 * width * k * np.sin(k * u),
-            0.5 * width * k**2 * np.cos(k * u),
+            0.5 * width * k**2 * cos,
         )
 
     def quintic(u: Array) -> tuple[Array, Array, Array]:
