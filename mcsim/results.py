@@ -307,21 +307,29 @@ def _remarks(scenario: Scenario, sweep: SweepResult) -> list[str]:
 def _provenance(
     scenario: Scenario, sweep: SweepResult, remarks: list[str], seconds: float
 ) -> dict[str, Any]:
-    packages = ("numpy", "numba", "scipy", "pandas")
     return {
-        "mcsim": __version__,
-        "name": scenario.name,
-        "seed": scenario.base.monte_carlo.seed,
+        **circumstances(scenario),
         "points": scenario.n_points,
         "points_done": len(sweep.points),
         "realizations": sum(result.realizations for result in sweep.points.values()),
-        "scenario": scenario.document.tree,
-        "resolved": scenario.base.model_dump(mode="json", exclude_none=True),
         "failures": [
             f"{describe_point(scenario, scenario.points[index])}: {reason}"
             for index, reason in sweep.failures.items()
         ],
         "remarks": remarks,
+        "seconds": round(seconds, 3),
+    }
+
+
+def circumstances(scenario: Scenario) -> dict[str, Any]:
+    """What was computed, with what, and when: the part of the provenance that all results have."""
+    packages = ("numpy", "numba", "scipy", "pandas")
+    return {
+        "mcsim": __version__,
+        "name": scenario.name,
+        "seed": scenario.base.monte_carlo.seed,
+        "scenario": scenario.document.tree,
+        "resolved": scenario.base.model_dump(mode="json", exclude_none=True),
         "versions": {
             "python": platform.python_version(),
             **{name: metadata.version(name) for name in packages},
@@ -331,5 +339,4 @@ def _provenance(
             "machine": platform.machine(),
         },
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
-        "seconds": round(seconds, 3),
     }

@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,9 +58,20 @@ def save(results: Results, folder: Path) -> list[Path]:
                 write_whole(folder / f"{name}.csv", _csv_writer(table)),
                 write_whole(folder / f"{name}.parquet", _parquet_writer(table)),
             ]
-        text = json.dumps(results.provenance, indent=2, ensure_ascii=False) + "\n"
-        written.append(write_whole(folder / PROVENANCE, lambda path: _write_text(path, text)))
+    written.append(write_provenance(results.provenance, folder))
     return written
+
+
+def write_provenance(provenance: Mapping[str, Any], folder: Path) -> Path:
+    """Write where results come from into ``folder``, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written.
+    """
+    text = json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"
+    return write_text(text, folder, PROVENANCE)
 
 
 def remove_figures(folder: Path) -> None:

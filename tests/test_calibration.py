@@ -1,5 +1,6 @@
 """Six-position and shaker tests: true parameters come back, wrong input is explained."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -186,3 +187,6 @@ def test_commands_of_the_velocity_paper(tmp_path, capsys):
     table = (tmp_path / "a1-budget" / "budget.csv").read_text().splitlines()
     assert table[0] == "i,quantity,estimate,uncertainty,equation,sensitivity,variance,printed,ratio"
     assert len(table) == 33
+    provenance = json.loads((tmp_path / "a1-budget" / "provenance.json").read_text())
+    assert provenance["scenario"]["sensor"]["rate"] == "100 Hz"
+    assert provenance["versions"].keys() >= {"python", "numpy"}

@@ -63,8 +63,9 @@ def write_budget(scenario: Scenario, folder: Path) -> str:
     from mcsim.figures.budget import draw_comparison, draw_shares
     from mcsim.gum import course_of_uncertainty, step_budget
     from mcsim.gum.tables import budget_table, comparison_table, comparison_words
+    from mcsim.results import circumstances
     from mcsim.scenario import VelocityScenario
-    from mcsim.store import write_table, write_text
+    from mcsim.store import write_provenance, write_table, write_text
 
     model = scenario.base
     assert isinstance(model, VelocityScenario)  # checked by the command
@@ -74,6 +75,7 @@ def write_budget(scenario: Scenario, folder: Path) -> str:
     write_table(table, folder, "budget")
     write_table(comparison_table(course), folder, "comparison")
     write_text(words, folder, "comparison.txt")
+    write_provenance(circumstances(scenario), folder)
     outputs: tuple[Literal["Dv", "acx"], ...] = ("Dv", "acx")
     for output in outputs:
         shares = draw_shares([budget], [scenario.name], output, f"{title}: variance of {output}")

@@ -7,10 +7,11 @@ from typing import Annotated, Any, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from mcsim.errors import InputError
+from mcsim.errors import InputError, UnitError
 from mcsim.scenario.document import Document, PathKey, get_path
 from mcsim.scenario.fields import Quantity
 from mcsim.scenario.paths import suggest
+from mcsim.units import in_unit, split
 
 #: Messages beyond this number help nobody.
 _MOST = 10
@@ -188,4 +189,9 @@ def _bound(details: ErrorDetails, bound: Any, model: type[BaseModel]) -> str:
         return f"{100.0 * bound:g} %"
     if quantity is None or quantity.kind == "confidence":
         return f"{bound:g}" if isinstance(bound, float) else str(bound)
-    return f"{bound:g} {quantity.details.si_unit}"
+    try:
+        # In the unit that the user has written.
+        _, unit = split(str(details["input"]))
+        return f"{in_unit(bound, unit, quantity.details):.6g} {unit}"
+    except UnitError:
+        return f"{bound:g} {quantity.details.si_unit}"
