@@ -235,6 +235,8 @@ def test_composed_figures_are_drawn(tmp_path, monkeypatch):
         "figure5b_width",
     ]
     assert (tmp_path / "figure5" / "figure.png").stat().st_size > 10_000
+    # Its halves are not drawn once more, each alone.
+    assert {p.parent.name for p in tmp_path.rglob("*.png")} == {"figure5"}
 
 
 def test_help_imports_nothing_heavy():

@@ -220,20 +220,25 @@ def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: boo
     wanted = figure_numbers(numbers, FIGURES)
     groups = [name for name in GROUPS if not numbers or name in numbers or "all" in numbers]
     with Drawing(jobs or default_jobs()) as drawing:
+
+        def draw_alone(_: Results, folder: Path) -> None:
+            drawing.one(folder)
+
         for number, parts in figure_scenarios(wanted).items():
             folders = [output / scenario.name for scenario in parts]
-            for scenario, folder in zip(parts, folders, strict=True):
-                results = _run_one(scenario, jobs, output, quiet, lambda _, at: drawing.one(at))
+            # Parts of one figure are drawn side by side, and not each alone as well.
+            draw = _leave_undrawn if len(parts) > 1 else draw_alone
+            for scenario in parts:
+                results = _run_one(scenario, jobs, output, quiet, draw)
                 failures += results.failures
-                pictures.append(folder / "figure.png")
                 if not quiet:
                     _note(results)
+            folder = output / f"figure{number}" if len(parts) > 1 else folders[0]
             if len(parts) > 1:
-                folder = output / f"figure{number}"
                 drawing.side_by_side(folders, title_of(parts), folder)
-                pictures.append(folder / "figure.png")
+            pictures.append(folder / "figure.png")
         for scenario in shipped("strapdown") if "strapdown" in groups else []:
-            results = _run_one(scenario, jobs, output, quiet, lambda _, at: drawing.one(at))
+            results = _run_one(scenario, jobs, output, quiet, draw_alone)
             failures += results.failures
             pictures.append(output / scenario.name / "figure.png")
         if "vibration" in groups:
