@@ -6,8 +6,11 @@ that draw are forked from it.  Where there is no such thing, each process import
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
 from importlib import import_module
 from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
@@ -32,7 +35,8 @@ class Drawing:
             from multiprocessing import forkserver
 
             forkserver.set_forkserver_preload(list(_NEEDED))
-            forkserver.ensure_running()
+            with _interrupts_ignored():
+                forkserver.ensure_running()
         else:
             pool = self._start("spawn")
             for _ in range(jobs):
@@ -72,6 +76,19 @@ class Drawing:
     def _start(self, method: str) -> Executor:
         self._pool = ProcessPoolExecutor(self._jobs, mp_context=get_context(method))
         return self._pool
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Processes begun here leave Ctrl-C to this one."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may set signals
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _get_ready() -> None:
