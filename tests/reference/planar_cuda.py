@@ -16,7 +16,7 @@ from mcsim.kernels import compilation
 # The same sources, with another compiler.
 compilation.scalar = cuda.jit(device=True)
 
-from mcsim.kernels import planar, random  # noqa: E402
+from mcsim.kernels import planar_steps, random  # noqa: E402
 from mcsim.kernels.lanes import WHITE_NOISE  # noqa: E402
 
 
@@ -37,7 +37,7 @@ def _simulate(key, signals, white, start, words, normals, ends):
                 normals[3 * i + 2 * pair + 1, r] = y
             for k in range(2):
                 row = 3 * (i + k)
-                c, s, vl, vd, pl, pd = planar._step(
+                c, s, vl, vd, pl, pd = planar_steps.rectangular_step(
                     c, s, vl, vd, pl, pd,
                     signals[i + k + 1, 0] + white[0] * normals[row, r],
                     signals[i + k + 1, 1] + white[1] * normals[row + 1, r],
