@@ -336,11 +336,11 @@ def _resampled(
 
 
 @lru_cache(maxsize=4)
-def _counts(items: int, resamples: int, key: int) -> NDArray[np.float32]:
+def _counts(items: int, resamples: int, key: int) -> NDArray[np.uint8]:
     """Resampling counts (items, resamples); drawn once, they serve every error and point."""
     from mcsim.kernels.bootstrap import resampling_counts
 
-    counts = np.empty((items, resamples), np.float32)
+    counts = np.empty((items, resamples), np.uint8)
     resampling_counts(np.uint64(key), counts)
     return counts
 
