@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -93,7 +94,7 @@ def _draw_sources(axes: Axes, course: Course) -> None:
         for position, value in zip(y, values, strict=True):
             axes.annotate(
                 f"{value:.2g}",
-                (value, position + offset),
+                (np.nan_to_num(value), position + offset),
                 (3, 0),
                 textcoords="offset points",
                 va="center",
@@ -101,10 +102,15 @@ def _draw_sources(axes: Axes, course: Course) -> None:
             )
     axes.set_yticks(y, [*names, "all together"])
     axes.invert_yaxis()
-    axes.set_xlim(0.0, 1.15 * max(*summed, *simulated))
+    axes.set_xlim(0.0, 1.15 * np.nanmax([*summed, *simulated]))
     axes.set_xlabel(f"u(v) of one run after {course.time[-1]:.3g} s, source alone [m/s]")
     axes.grid(visible=False, axis="y")
     axes.legend(loc="upper right")
+
+
+def _at_end(uncertainties: Mapping[str, np.ndarray], name: str) -> float:
+    """The last value of a source; NaN of one that a method leaves out."""
+    return float(uncertainties[name][-1]) if name in uncertainties else math.nan
 
 
 def draw_runs(
