@@ -139,7 +139,7 @@ class VelocityProblem:
         return GroupSamples(self.at_rest, len(self.raw), self.runs, self.steps)
 
     @cached_property
-    def _signals(self) -> Array:
+    def signals(self) -> Array:
         """Raw output and what the axes sense (n + 1, 6): at rest, and at a run's steps."""
         raw = np.concatenate([self.inputs[None, 9:12], self.raw])
         return np.concatenate([raw, raw - self.inputs[BIAS]], axis=1)
@@ -148,7 +148,7 @@ class VelocityProblem:
     def measurement(self) -> Measurement:
         """The sensor errors as the kernels take them."""
         count = self._group.total
-        return Measurement.of(self.sensor_errors, self._signals, self.interval, count)
+        return Measurement.of(self.sensor_errors, self.signals, self.interval, count)
 
     @property
     def missing(self) -> Mapping[str, str]:
@@ -183,7 +183,7 @@ class VelocityProblem:
     @cached_property
     def _measured(self) -> MeasuredGroups:
         return MeasuredGroups(
-            self.weights, self.measurement, self._group, self._signals[1:], self._signals[0]
+            self.weights, self.measurement, self._group, self.signals[1:], self.signals[0]
         )
 
     @cached_property
@@ -339,7 +339,7 @@ class VelocityProblem:
     @cached_property
     def _all_signals(self) -> Array:
         """The signals (N, 6) of all samples of a group."""
-        rest, run = self._signals[:1], self._signals[1:]
+        rest, run = self.signals[:1], self.signals[1:]
         return np.concatenate([np.tile(rest, (self.at_rest, 1)), np.tile(run, (self.runs, 1))])
 
     @cached_property

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -80,21 +79,23 @@ def draw_comparison(course: Course, title: str) -> Figure:
 
 def _draw_sources(axes: Axes, course: Course) -> None:
     largest = max(course.summed_total[-1], course.total[-1])
+    # The equations know nothing of some sources.
+    by_sums = {name: course.summed.get(name, np.zeros(1))[-1] for name in course.simulated}
     names = [
         name
-        for name in course.summed
-        if max(course.summed[name][-1], course.simulated[name][-1]) > 1e-3 * largest
+        for name, values in course.simulated.items()
+        if max(by_sums[name], values[-1]) > 1e-3 * largest
     ]
     y = np.arange(len(names) + 1)
-    summed = [*(course.summed[name][-1] for name in names), course.summed_total[-1]]
+    summed = [*(by_sums[name] for name in names), course.summed_total[-1]]
     simulated = [*(course.simulated[name][-1] for name in names), course.total[-1]]
     axes.barh(y - 0.19, summed, 0.36, color=_SUMMED, label="Eq. (30)")
     axes.barh(y + 0.19, simulated, 0.36, color=_SIMULATED, label="Monte Carlo")
     for offset, values in ((-0.19, summed), (0.19, simulated)):
         for position, value in zip(y, values, strict=True):
             axes.annotate(
-                f"{value:.2g}",
-                (np.nan_to_num(value), position + offset),
+                f"{value:.2g}" if value > 0.0 else "left out",
+                (value, position + offset),
                 (3, 0),
                 textcoords="offset points",
                 va="center",
@@ -102,15 +103,10 @@ def _draw_sources(axes: Axes, course: Course) -> None:
             )
     axes.set_yticks(y, [*names, "all together"])
     axes.invert_yaxis()
-    axes.set_xlim(0.0, 1.15 * np.nanmax([*summed, *simulated]))
+    axes.set_xlim(0.0, 1.15 * max(*summed, *simulated))
     axes.set_xlabel(f"u(v) of one run after {course.time[-1]:.3g} s, source alone [m/s]")
     axes.grid(visible=False, axis="y")
     axes.legend(loc="upper right")
-
-
-def _at_end(uncertainties: Mapping[str, np.ndarray], name: str) -> float:
-    """The last value of a source; NaN of one that a method leaves out."""
-    return float(uncertainties[name][-1]) if name in uncertainties else math.nan
 
 
 def draw_runs(

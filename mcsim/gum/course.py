@@ -104,7 +104,8 @@ def _sensor_terms(problem: VelocityProblem) -> tuple[str, ...]:
     """Names of the accelerometer's error terms beyond white noise."""
     prefix = "accelerometer "
     names = [s.removeprefix(prefix) for s in problem.linear.variances if s.startswith(prefix)]
-    if len(problem.measurement.ranges) and np.any(np.isfinite(problem.measurement.ranges)):
+    m = problem.measurement
+    if any(m.largest(problem.signals, axis) > limit for axis, limit in enumerate(m.ranges)):
         names.append("range")
     return tuple(names)
 
