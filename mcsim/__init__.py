@@ -25,6 +25,9 @@ Conventions (the whole package keeps them)
   lead before it.
 * Velocity case: sensor axes x forward, z up, so that a level sensor at rest reads
   (0, 0, 1) in fractions of the local g; tilt is positive where gravity shows in +x.
+  A group of runs is one turn-on: a rest, then its runs without a pause.  Offsets, scale
+  factors and misalignment are drawn once for it; in-run noise starts with the rest and goes
+  on through all its runs.  The error of a run is that of the first one.
 * A noise density is one-sided, as data sheets print it: one sample at rate fs has
   variance ND^2 fs / 2.  Allan's N belongs to a two-sided density, variance N^2 fs.
 * A sensor measures in this order: low-pass, mixing of the channels (scale factor,

@@ -124,8 +124,13 @@ def in_unit_of_tables(unit: str, value: Any) -> Any:
 
 
 def at_the_end(table: pd.DataFrame) -> pd.DataFrame:
-    """The rows of the last instant, in tables that hold several."""
-    return table[table[TIME] == table[TIME].max()] if TIME in table else table
+    """The rows of each point's last instant, in tables that hold several."""
+    if TIME not in table:
+        return table
+    # Swept values stand before the time; a swept duration moves a point's last instant.
+    swept = list(table.columns[: table.columns.get_loc(TIME)])
+    last = table.groupby(swept, sort=False)[TIME].transform("max") if swept else table[TIME].max()
+    return table[table[TIME] == last]
 
 
 def _table(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:

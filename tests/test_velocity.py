@@ -18,6 +18,7 @@ from mcsim.cases.velocity_linear import accelerations
 from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty, step_budget
 from mcsim.gum.tables import BUDGET_COLUMNS, budget_table, comparison_table, comparison_words
+from mcsim.results import at_the_end
 from mcsim.trajectory.straight_run import run_motion, within_intervals
 from tests.reference import velocity_numpy
 
@@ -396,6 +397,20 @@ def test_sweeps_and_tables_work_as_in_the_planar_case(tmp_path):
     assert (tmp_path / "a1" / "figure.png").stat().st_size > 10_000
     again = mcsim.run(s, jobs=2).table
     pd.testing.assert_frame_equal(table, again)
+
+
+def test_every_point_has_its_own_last_instant():
+    swept = {
+        "sweep.trajectory.duration": ["1 s", "1.5 s"],
+        "instants": None,
+        "monte_carlo.realizations": 100,
+    }
+    table = mcsim.run(Scenario.from_yaml(FOLDER / "a1.yaml", swept)).table
+    last = at_the_end(table)
+    assert len(last) == len(table)  # the figure draws both
+    assert list(last.groupby("trajectory.duration [s]")["time [s]"].first()) == [1.0, 1.5]
+    several = mcsim.run(scenario(monte_carlo__realizations=100)).table
+    assert set(at_the_end(several)["time [s]"]) == {1.5}
 
 
 def test_linear_answers_agree_with_monte_carlo():

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.calibration.csv_table import read_table
-from mcsim.cases.velocity import raw_output_of
+from mcsim.cases.velocity_samples import raw_output_of
 from mcsim.errors import InputError
 
 Array = NDArray[np.float64]

@@ -59,7 +59,7 @@ def check_point(model: CaseScenario, folder: Path) -> int:
 
         return sample_count(drive_of(model.trajectory, folder), model.sensors.rate)
     if isinstance(model, VelocityScenario):
-        from mcsim.cases.velocity import step_count
+        from mcsim.cases.velocity_steps import step_count
 
         return step_count(model)
     if isinstance(model, StrapdownScenario):

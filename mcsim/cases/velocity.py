@@ -6,24 +6,35 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.cases.nets import net_normals
 from mcsim.cases.problem import Array, History, LinearModel, Sample
-from mcsim.cases.velocity_linear import VelocityWeights, velocity_linear_model, velocity_weights
-from mcsim.errors import InputError
+from mcsim.cases.velocity_linear import (
+    BIAS,
+    VelocityWeights,
+    velocity_linear_model,
+    velocity_weights,
+)
+from mcsim.cases.velocity_measured import GroupSamples, MeasuredGroups
+from mcsim.cases.velocity_samples import rest_output, run_samples
+from mcsim.cases.velocity_steps import check_group, rest_steps, step_count, steps_until
 from mcsim.scenario import VelocityScenario
-from mcsim.scenario.velocity import Bias, Calibration, Number
-from mcsim.trajectory.straight_run import RunMotion, run_motion, within_intervals
+from mcsim.scenario.velocity import Bias, Number
+from mcsim.sensors.error_model import ChannelErrors
+from mcsim.sensors.measurement import Measurement
+from mcsim.sensors.raw_output import raw_errors
+from mcsim.trajectory.straight_run import run_motion
+
+if TYPE_CHECKING:
+    from mcsim.kernels.velocity_measured import LinearWeights
 
 #: Errors per instant: velocity of a run, of the mean, standard deviation of the runs.
 PER_INSTANT = 3
-_MOST_STEPS = 20_000_000
 _MOST_TRACKS = 1000
-#: Beyond a jump of the acceleration (s).
-_JUST_AFTER = 1e-7
 _TILT_ORDERS = ("first", "second", "exact")
 _NOTHING = np.zeros((0, 0))
 _NONE_GIVEN = np.zeros((0, 0), np.float32)
@@ -36,14 +47,20 @@ class VelocityProblem:
 
     ``raw`` (n, 3) holds the undisturbed raw output at the steps, ``truth`` (n + 1,) the true
     velocity before each step and after the last; ``steps`` (k,) how many steps each asked
-    instant takes.
+    instant takes; ``at_rest`` the samples of the rest.
+
+    A group of runs is one turn-on: the rest, then all runs without a pause.  Offsets, scale
+    factors and misalignment are drawn once for all of it; in-run noise starts with the rest and
+    goes on to the end of the last run, so that the first run, whose error is reported, is the
+    one nearest the rest.
     """
 
     raw: Array
     truth: Array
     inputs: Array
     uncertainties: Array
-    white: Array
+    sensor_errors: ChannelErrors
+    at_rest: int
     interval: float
     time_error: float
     stamps: bool
@@ -67,41 +84,71 @@ class VelocityProblem:
         interval = 1.0 / sensor.rate
         times = np.arange(n + 1, dtype=float) / sensor.rate
         motion = run_motion(model.trajectory, times)
-        at_rest = RunMotion(*(np.zeros(1),) * 3, np.full(1, model.trajectory.mounting_angle))
-        raw = _samples(model, times)
-        (rest,) = raw_output(at_rest, model.calibration, gravity.estimate)
-        white = np.array([sensor.noise.x, sensor.noise.y, sensor.noise.z])
-        samples = max(1, math.floor(model.trajectory.rest * sensor.rate * (1.0 + 1e-12)))
+        errors = raw_errors(model)
+        raw = run_samples(model, times, errors.bandwidths)
+        samples = rest_steps(model)
         c = model.calibration
         numbers: list[Number | Bias] = [
             *(c.lxx, c.lxy, c.lxz, c.lzx, c.lzy, c.lzz),
             *(c.bx, c.by, c.bz),
         ]
-        return cls(
-            raw=np.ascontiguousarray(raw),
+        problem = cls(
+            raw=raw,
             truth=motion.velocity,
-            inputs=np.array([*(q.estimate for q in numbers), *rest, 0.0, gravity.estimate]),
+            inputs=np.array(
+                [*(q.estimate for q in numbers), *rest_output(model), 0.0, gravity.estimate]
+            ),
             uncertainties=np.array(
                 [
                     *(q.uncertainty for q in numbers),
-                    *white / math.sqrt(samples),
+                    *errors.white / math.sqrt(samples),
                     model.tilt.change,
                     gravity.uncertainty,
                 ]
             ),
-            white=white,
+            sensor_errors=errors,
+            at_rest=samples,
             interval=interval,
             time_error=sensor.time_error,
             stamps=sensor.time_errors == "stamps",
             tilt_order=_TILT_ORDERS.index(model.tilt.order),
             runs=model.runs,
-            steps=np.array([_steps_until(t, sensor.rate) for t in model.reported]),
+            steps=np.array([steps_until(t, sensor.rate) for t in model.reported]),
             error_names=tuple(row.label for row in model.error_rows),
         )
+        if problem.is_measured:
+            check_group(model)
+        return problem
+
+    @property
+    def white(self) -> Array:
+        """u(am): standard deviations (3,) of one raw sample's white noise (fractions of g)."""
+        return self.sensor_errors.white
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether every sample is measured; white noise and offsets alone need no such thing."""
+        return len(self.measurement.innovations) > 0
 
     @property
     def n_samples(self) -> int:
-        return len(self.raw) * self.runs
+        return self._group.total if self.is_measured else len(self.raw) * self.runs
+
+    @property
+    def _group(self) -> GroupSamples:
+        return GroupSamples(self.at_rest, len(self.raw), self.runs, self.steps)
+
+    @cached_property
+    def signals(self) -> Array:
+        """Raw output and what the axes sense (n + 1, 6): at rest, and at a run's steps."""
+        raw = np.concatenate([self.inputs[None, 9:12], self.raw])
+        return np.concatenate([raw, raw - self.inputs[BIAS]], axis=1)
+
+    @cached_property
+    def measurement(self) -> Measurement:
+        """The sensor errors as the kernels take them."""
+        count = self._group.total
+        return Measurement.of(self.sensor_errors, self.signals, self.interval, count)
 
     @property
     def missing(self) -> Mapping[str, str]:
@@ -123,16 +170,35 @@ class VelocityProblem:
             self.stamps,
             self.tilt_order,
             self.steps,
+            {
+                f"accelerometer {source}": deviations
+                for source, deviations in (
+                    ("miscalibration", self.sensor_errors.miscalibration),
+                    ("turn-on bias", self.sensor_errors.turn_on_bias),
+                )
+                if np.any(deviations)
+            },
+        )
+
+    @cached_property
+    def _measured(self) -> MeasuredGroups:
+        return MeasuredGroups(
+            self.weights, self.measurement, self._group, self.signals[1:], self.signals[0]
         )
 
     @cached_property
     def linear(self) -> LinearModel:
+        if self.is_measured:
+            return self._measured.linear_model()
         return velocity_linear_model(self.weights, self.runs)
 
     @cached_property
     def _method_errors(self) -> Array:
         still = replace(
-            self, uncertainties=0.0 * self.uncertainties, white=0.0 * self.white, time_error=0.0
+            self,
+            uncertainties=0.0 * self.uncertainties,
+            sensor_errors=self.sensor_errors.silent(),
+            time_error=0.0,
         )
         return still._run(0, 0, 1)[0][:, 0]
 
@@ -181,11 +247,33 @@ class VelocityProblem:
         curves: Array = _NO_CURVES,
     ) -> tuple[Array, Array]:
         """Errors (3 k, count) and linear errors of the same shape or (3 k, 0)."""
-        from mcsim.kernels.velocity import DRAWN, simulate
-
         rows = PER_INSTANT * len(self.steps)
         errors = np.empty((rows, count))
         linear = np.empty((rows, count if controls else 0))
+        simulate = self._simulate_measured if self.is_measured else self._simulate_plainly
+        simulate(key, first, count, net, errors, linear, curves)
+        if self.runs == 1:
+            errors[2::PER_INSTANT] = np.nan
+        return errors, linear
+
+    def _simulate_plainly(
+        self,
+        key: int,
+        first: int,
+        count: int,
+        net: int,
+        errors: Array,
+        linear: Array,
+        curves: Array,
+    ) -> None:
+        """White noise and offsets alone; an offset acts as an error of the zero bias."""
+        from mcsim.kernels.velocity import DRAWN, simulate
+
+        controls = linear.shape[1] > 0
+        uncertainties = self.uncertainties
+        if self.weights.offsets:
+            uncertainties = uncertainties.copy()
+            uncertainties[BIAS] = np.hypot(uncertainties[BIAS], self.sensor_errors.offsets)
         simulate(
             np.uint64(key),
             np.uint64(first),
@@ -193,7 +281,7 @@ class VelocityProblem:
             self.runs,
             self.raw,
             self.inputs,
-            self.uncertainties,
+            uncertainties,
             self.white,
             self.interval,
             self.time_error,
@@ -202,97 +290,58 @@ class VelocityProblem:
             self.steps,
             self.truth[self.steps],
             self.weights.steps if controls else _NOTHING,
-            self.weights.group if controls else _NOTHING,
+            self.weights.group_with_offsets() if controls else _NOTHING,
             net_normals(key, first, count, net, DRAWN) if net else _NONE_GIVEN,
             errors,
             linear,
             curves,
         )
-        if self.runs == 1:
-            errors[2::PER_INSTANT] = np.nan
-        return errors, linear
 
+    def _simulate_measured(
+        self,
+        key: int,
+        first: int,
+        count: int,
+        net: int,
+        errors: Array,
+        linear: Array,
+        curves: Array,
+    ) -> None:
+        """Every sample measured with all error terms, at rest and in all runs."""
+        from mcsim.kernels.velocity_measured import constant_rows, no_weights, simulate_measured
 
-def _samples(model: VelocityScenario, times: Array) -> Array:
-    """Undisturbed raw output (n, 3) for the intervals between ``n + 1`` times."""
-    run, gravity = model.trajectory, model.gravity.estimate
-    if model.sensor.sampling == "none":
-        return raw_output(run_motion(run, times[:-1] + _JUST_AFTER), model.calibration, gravity)
-    motion, weights = within_intervals(run, times)
-    flat = RunMotion(
-        motion.velocity.ravel(),
-        motion.acceleration.ravel(),
-        motion.vertical.ravel(),
-        motion.tilt.ravel(),
-    )
-    outputs = raw_output(flat, model.calibration, gravity).reshape(len(times) - 1, -1, 3)
-    return np.einsum("nkc,k->nc", outputs, weights)
-
-
-def raw_output(motion: RunMotion, calibration: Calibration, gravity: float) -> Array:
-    """Undisturbed raw output (n, 3) in fractions of g, Eq. (2) and (6)-(7).
-
-    The matrix M0 is the inverse of L; the row of L for y, which no equation uses, is (0, 1, 0).
-    """
-    upward = 1.0 + motion.vertical / gravity
-    forward = motion.acceleration / gravity
-    cos, sin = np.cos(motion.tilt), np.sin(motion.tilt)
-    true = np.stack([forward * cos + upward * sin, 0.0 * upward, upward * cos - forward * sin])
-    return raw_output_of(true.T, *correction_of(calibration))
-
-
-def correction_of(calibration: Calibration) -> tuple[Array, Array]:
-    """L (3, 3) and B (3,) of a calibration; the row of L for y is (0, 1, 0)."""
-    c = calibration
-    correction = np.array(
-        [
-            [c.lxx.estimate, c.lxy.estimate, c.lxz.estimate],
-            [0.0, 1.0, 0.0],
-            [c.lzx.estimate, c.lzy.estimate, c.lzz.estimate],
-        ]
-    )
-    return correction, np.array([c.bx.estimate, c.by.estimate, c.bz.estimate])
-
-
-def raw_output_of(true: Array, correction: Array, bias: Array) -> Array:
-    """Raw output (n, 3) of true accelerations (n, 3), Eq. (2); all in fractions of g."""
-    return np.linalg.solve(correction, true.T).T + bias
-
-
-def step_count(model: VelocityScenario) -> int:
-    """Steps of a run.
-
-    Raises
-    ------
-    InputError
-        An instant earlier than the first sample, or an absurdly long run.
-    """
-    rate = model.sensor.rate
-    if model.trajectory.rest * rate < 1.0 - 1e-9:
-        raise InputError(
-            f"trajectory.rest: {model.trajectory.rest:g} s hold no sample; the initial tilt needs "
-            f"at least one sampling interval, {1.0 / rate:.4g} s"
+        m = self.measurement
+        drawn = constant_rows(len(m.mix_to))  # type: ignore[no-untyped-call]
+        simulate_measured(
+            np.uint64(key),
+            np.uint64(first),
+            count,
+            self.runs,
+            self.at_rest,
+            self._all_signals,
+            self.inputs,
+            self.uncertainties,
+            m.offsets,
+            self.interval,
+            self.time_error,
+            self.stamps,
+            self.tilt_order,
+            self.steps,
+            self.truth[self.steps],
+            self._kernel_weights if linear.shape[1] > 0 else no_weights(),
+            net_normals(key, first, count, net, drawn) if net else _NONE_GIVEN,
+            errors,
+            linear,
+            curves,
+            m.terms,
         )
-    for instant in model.instants or ():
-        steps = instant * rate
-        if abs(steps - round(steps)) > 1e-6 * max(steps, 1.0):
-            raise InputError(
-                f"instants: {instant:g} s is not a multiple of the sampling interval; the nearest "
-                f"are {math.floor(steps) / rate:.6g} s and {math.ceil(steps) / rate:.6g} s"
-            )
-    if _steps_until(model.reported[0], rate) < 1:
-        raise InputError(
-            f"sensor.rate: {model.reported[0]:g} s after the start is less than one sampling "
-            f"interval; use a rate above {1.0 / model.reported[0]:.4g} Hz"
-        )
-    n = _steps_until(model.trajectory.duration, rate)
-    if n * model.runs > _MOST_STEPS:
-        raise InputError(
-            f"runs: {model.runs} runs of {n:,} samples are more than mcsim can hold; "
-            "shorten `trajectory.duration` or lower `sensor.rate` or `runs`"
-        )
-    return n
 
+    @cached_property
+    def _all_signals(self) -> Array:
+        """The signals (N, 6) of all samples of a group."""
+        rest, run = self.signals[:1], self.signals[1:]
+        return np.concatenate([np.tile(rest, (self.at_rest, 1)), np.tile(run, (self.runs, 1))])
 
-def _steps_until(time: float, rate: float) -> int:
-    return math.floor(time * rate * (1.0 + 1e-12) + 1e-9)
+    @cached_property
+    def _kernel_weights(self) -> LinearWeights:
+        return self._measured.kernel_weights()

@@ -28,6 +28,8 @@ GROUP_SOURCES = {
     "tilt change": slice(12, 13),
     "gravity": slice(13, 14),
 }
+#: Columns of the zero biases.
+BIAS = GROUP_SOURCES["zero bias"]
 #: What every step draws, by source.
 NOISE, TIME_BASE = "noise while moving", "time base"
 _COMPLEX_STEP = 1e-30
@@ -40,19 +42,40 @@ class VelocityWeights:
     ``steps`` (n, 4) of each step's noise in x, y, z and of its interval; ``group`` (k, 14) of
     what a group draws once, at each instant; ``counts`` (k,) steps until each instant.
     With ``stamps`` an interval's error is the difference of two normals, those of its ends.
+    ``slopes`` (k, 14) are per unit of what a group draws once, ``per_sample`` (3,) per unit of an
+    axis' error at one step; ``offsets`` are the deviations (3,) of the axes' constant offsets,
+    by source.
     """
 
     steps: Array
     group: Array
     counts: NDArray[np.int64]
     stamps: bool
+    slopes: Array
+    per_sample: Array
+    offsets: Mapping[str, Array]
 
     def group_variances(self) -> Mapping[str, Array]:
         """Variances (k,) of the velocity from what a group draws once, by source."""
-        return {
+        drawn = {
             source: np.sum(self.group[:, columns] ** 2, axis=1)
             for source, columns in GROUP_SOURCES.items()
         }
+        # An offset acts as an error of the zero bias of the other sign, at rest as well.
+        return drawn | {
+            source: self.slopes[:, BIAS] ** 2 @ deviation**2
+            for source, deviation in self.offsets.items()
+        }
+
+    def group_with_offsets(self) -> Array:
+        """``group`` with the offsets among the errors of the zero bias."""
+        if not self.offsets:
+            return self.group
+        squares = np.sum([d**2 for d in self.offsets.values()], axis=0)
+        group = self.group.copy()
+        group[:, BIAS] = np.hypot(group[:, BIAS], self.slopes[:, BIAS] * np.sqrt(squares))
+        group[:, BIAS] *= np.sign(self.slopes[:, BIAS])
+        return group
 
     def step_variances(self) -> Mapping[str, Array]:
         """Variances (k,) of the velocity of one run from what every step draws, by source."""
@@ -99,20 +122,26 @@ def velocity_weights(
     stamps: bool,
     order: int,
     counts: NDArray[np.int64],
+    offsets: Mapping[str, Array],
 ) -> VelocityWeights:
-    """Weights of all disturbances; parameters as in ``mcsim.kernels.velocity.simulate``."""
+    """Weights of all disturbances; parameters as in ``mcsim.kernels.velocity.simulate``.
+
+    ``offsets`` as in ``VelocityWeights``.
+    """
     group = np.empty((len(counts), GROUP_INPUTS))
+    slopes = np.empty((len(counts), GROUP_INPUTS))
     for k in range(GROUP_INPUTS):
         moved = inputs.astype(complex)
         moved[k] += _COMPLEX_STEP * 1j
-        slopes = np.imag(accelerations(raw, moved, order)) / _COMPLEX_STEP
-        group[:, k] = uncertainties[k] * interval * np.cumsum(slopes)[counts - 1]
+        pushes = np.cumsum(np.imag(accelerations(raw, moved, order)) / _COMPLEX_STEP)[counts - 1]
+        group[:, k] = uncertainties[k] * interval * pushes
+        slopes[:, k] = interval * pushes
     bias = inputs[6:9]
     per_axis = accelerations(bias + np.eye(3), inputs, order)
     steps = np.empty((len(raw), 4))
     steps[:, :3] = interval * per_axis * white
     steps[:, 3] = _of_stamp(time_error, stamps) * accelerations(raw, inputs, order)
-    return VelocityWeights(steps, group, counts, stamps)
+    return VelocityWeights(steps, group, counts, stamps, slopes, interval * per_axis, offsets)
 
 
 def _of_stamp(time_error: float, stamps: bool) -> float:

@@ -179,12 +179,12 @@ def _simulated_test(
     import numpy as np
 
     from mcsim.calibration import simulate_six_positions
-    from mcsim.cases.velocity import correction_of
+    from mcsim.cases.velocity_samples import correction_of
+    from mcsim.sensors.raw_output import raw_noise
 
-    noise = model.sensor.noise
     return simulate_six_positions(
         *correction_of(model.calibration),
-        np.array([noise.x, noise.y, noise.z]),
+        raw_noise(model),
         samples,
         repetitions,
         alignment,
@@ -198,6 +198,7 @@ def _simulated_linearity(path: Path, model: VelocityScenario, seed: int) -> Line
     from mcsim.calibration import linearity as fit_of
     from mcsim.calibration import simulate_shaker
     from mcsim.calibration.shaker import cubic_of
+    from mcsim.sensors.raw_output import raw_noise
 
     shaker = model.shaker
     if shaker is None:
@@ -213,7 +214,7 @@ def _simulated_linearity(path: Path, model: VelocityScenario, seed: int) -> Line
         reference,
         scale,
         cubic_of(shaker.nonlinearity, shaker.full_scale, scale, reference),
-        model.sensor.noise.x,
+        float(raw_noise(model)[0]),
         model.sensor.rate,
         shaker.duration,
         shaker.series,

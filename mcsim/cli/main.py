@@ -205,7 +205,7 @@ def sensors(name: str | None) -> None:
 
 
 @commands.command()
-@click.argument("numbers", nargs=-1, metavar="[1 … 5, 10 … 14|strapdown|vibration|all]")
+@click.argument("numbers", nargs=-1, metavar="[1 … 5, 10 … 14|strapdown|velocity|vibration|all]")
 @_JOBS
 @_OUTPUT
 @_QUIET
@@ -237,7 +237,7 @@ def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: boo
             if len(parts) > 1:
                 drawing.side_by_side(folders, title_of(parts), folder)
             pictures.append(folder / "figure.png")
-        for scenario in shipped("strapdown") if "strapdown" in groups else []:
+        for scenario in (s for name in groups if name != "vibration" for s in shipped(name)):
             results = _run_one(scenario, jobs, output, quiet, draw_alone)
             failures += results.failures
             pictures.append(output / scenario.name / "figure.png")

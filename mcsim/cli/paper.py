@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mcsim.scenario import Scenario
 
 #: Shipped scenarios that belong to no numbered figure.
-GROUPS = ("strapdown", "vibration")
+GROUPS = ("strapdown", "velocity", "vibration")
 
 
 def shipped_scenarios() -> Path:
@@ -55,12 +55,12 @@ def figure_numbers(asked: tuple[str, ...], others: Iterable[int]) -> list[int]:
 
 
 def shipped(group: str) -> list[Scenario]:
-    """The shipped scenarios of a folder, in the order of their names."""
+    """The shipped sweeps of a folder, in the order of their names."""
     from mcsim.scenario import Scenario
 
-    return [
-        Scenario.from_yaml(path) for path in sorted((shipped_scenarios() / group).glob("*.yaml"))
-    ]
+    paths = sorted((shipped_scenarios() / group).glob("*.yaml"))
+    scenarios = [Scenario.from_yaml(path) for path in paths]
+    return [scenario for scenario in scenarios if scenario.axes]
 
 
 def figure_scenarios(numbers: Iterable[int]) -> dict[int, list[Scenario]]:

@@ -79,20 +79,22 @@ def draw_comparison(course: Course, title: str) -> Figure:
 
 def _draw_sources(axes: Axes, course: Course) -> None:
     largest = max(course.summed_total[-1], course.total[-1])
+    # The equations know nothing of some sources.
+    by_sums = {name: course.summed.get(name, np.zeros(1))[-1] for name in course.simulated}
     names = [
         name
-        for name in course.summed
-        if max(course.summed[name][-1], course.simulated[name][-1]) > 1e-3 * largest
+        for name, values in course.simulated.items()
+        if max(by_sums[name], values[-1]) > 1e-3 * largest
     ]
     y = np.arange(len(names) + 1)
-    summed = [*(course.summed[name][-1] for name in names), course.summed_total[-1]]
+    summed = [*(by_sums[name] for name in names), course.summed_total[-1]]
     simulated = [*(course.simulated[name][-1] for name in names), course.total[-1]]
     axes.barh(y - 0.19, summed, 0.36, color=_SUMMED, label="Eq. (30)")
     axes.barh(y + 0.19, simulated, 0.36, color=_SIMULATED, label="Monte Carlo")
     for offset, values in ((-0.19, summed), (0.19, simulated)):
         for position, value in zip(y, values, strict=True):
             axes.annotate(
-                f"{value:.2g}",
+                f"{value:.2g}" if value > 0.0 else "left out",
                 (value, position + offset),
                 (3, 0),
                 textcoords="offset points",

@@ -10,6 +10,7 @@ import numpy as np
 from mcsim.errors import InputError
 from mcsim.gum.propagation import AXES, Correction, step_sensitivities, tilt_sensitivities
 from mcsim.scenario import VelocityScenario
+from mcsim.sensors.raw_output import raw_noise
 
 
 @dataclass(frozen=True)
@@ -63,12 +64,6 @@ def correction(model: VelocityScenario, axis: str) -> Correction:
     )
 
 
-def noise_of(model: VelocityScenario) -> np.ndarray:
-    """u(am) of the three axes (3,)."""
-    noise = model.sensor.noise
-    return np.array([noise.x, noise.y, noise.z])
-
-
 def step_budget(model: VelocityScenario) -> Budget:
     """The budget where the scenario's ``budget`` block says.
 
@@ -84,7 +79,7 @@ def step_budget(model: VelocityScenario) -> Budget:
             "`budget: {output: {x: …, y: …, z: …}, rest_x: {estimate: …, uncertainty: …}, "
             "rest_z: {…}}`"
         )
-    raw, noise = np.array([point.output.x, point.output.y, point.output.z]), noise_of(model)
+    raw, noise = np.array([point.output.x, point.output.y, point.output.z]), raw_noise(model)
     quantities: list[tuple[str, float, float, str, float]] = []
     corrected, combined = {}, {}
     for axis, equation in (("x", "(4)"), ("z", "(5)")):

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from mcsim.cases.velocity import VelocityProblem
 from mcsim.engine import point_key
-from mcsim.gum.budget import correction, noise_of
+from mcsim.gum.budget import correction
 from mcsim.gum.propagation import step_sensitivities, tilt_sensitivities
 from mcsim.scenario import VelocityScenario
+from mcsim.sensors.raw_output import raw_noise
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,8 @@ _GROUP_INPUTS = {
     "tilt change": slice(12, 13),
     "gravity": slice(13, 14),
 }
+#: What Monte Carlo has beyond them: the accelerometer's error terms that are not white noise.
+SENSOR_TERMS = "accelerometer terms"
 #: Groups simulated for the comparison.
 GROUPS = 10_000
 
@@ -34,7 +37,8 @@ GROUPS = 10_000
 class Course:
     """Standard uncertainty of the velocity after every step; arrays (n + 1,), m/s.
 
-    ``summed`` is Eq. (30) by source, ``summed_mean`` Eq. (31); ``simulated`` the Monte-Carlo
+    ``summed`` is Eq. (30) by source, which knows nothing of ``sensor_terms``, the accelerometer's
+    own (their names; none if empty), ``summed_mean`` Eq. (31); ``simulated`` the Monte-Carlo
     deviation of a single run by source acting alone, ``total`` of all together,
     ``total_mean`` that of the mean of ``runs`` runs; ``scatter`` is s(v), and
     ``other_scatter`` what it is with the other kind of time errors than the scenario's
@@ -52,6 +56,7 @@ class Course:
     scatter: Array
     other_scatter: Array
     stamps: bool
+    sensor_terms: tuple[str, ...] = ()
 
     @property
     def summed_total(self) -> Array:
@@ -76,7 +81,9 @@ def course_of_uncertainty(model: VelocityScenario, groups: int = GROUPS) -> Cour
     key = point_key(model.monte_carlo, ())
     summed, without_noise = _summed(model, problem)
     total, total_mean, scatter = _deviations(problem, key, groups)
-    simulated = {source: _deviations(_only(problem, source), key, groups)[0] for source in SOURCES}
+    terms = _sensor_terms(problem)
+    sources = (*SOURCES, SENSOR_TERMS) if terms else SOURCES
+    simulated = {source: _deviations(_only(problem, source), key, groups)[0] for source in sources}
     return Course(
         time=np.round(np.arange(len(problem.truth)) * problem.interval, 12),
         truth=problem.truth,
@@ -89,7 +96,18 @@ def course_of_uncertainty(model: VelocityScenario, groups: int = GROUPS) -> Cour
         scatter=scatter,
         other_scatter=_deviations(replace(problem, stamps=not problem.stamps), key, groups)[2],
         stamps=problem.stamps,
+        sensor_terms=terms,
     )
+
+
+def _sensor_terms(problem: VelocityProblem) -> tuple[str, ...]:
+    """Names of the accelerometer's error terms beyond white noise."""
+    prefix = "accelerometer "
+    names = [s.removeprefix(prefix) for s in problem.linear.variances if s.startswith(prefix)]
+    m = problem.measurement
+    if any(m.largest(problem.signals, axis) > limit for axis, limit in enumerate(m.ranges)):
+        names.append("range")
+    return tuple(names)
 
 
 def _summed(model: VelocityScenario, problem: VelocityProblem) -> tuple[dict[str, Array], Array]:
@@ -98,7 +116,7 @@ def _summed(model: VelocityScenario, problem: VelocityProblem) -> tuple[dict[str
     At rest the raw output enters with the uncertainty of a single sample, as in the source.
     """
     g, interval = model.gravity, problem.interval
-    noise = noise_of(model)
+    noise = raw_noise(model)
     x, z = correction(model, "x"), correction(model, "z")
     rest = problem.inputs[9:12]
     by_rest_x, by_rest_z = tilt_sensitivities(x.value(rest), z.value(rest))
@@ -130,10 +148,15 @@ def _only(problem: VelocityProblem, source: str) -> VelocityProblem:
     alone = np.zeros_like(problem.uncertainties)
     if source in _GROUP_INPUTS:
         alone[_GROUP_INPUTS[source]] = problem.uncertainties[_GROUP_INPUTS[source]]
+    errors = problem.sensor_errors
+    if source == SENSOR_TERMS:
+        errors = replace(errors, white=np.zeros_like(errors.white))
+    else:
+        errors = errors.white_alone() if source == "noise" else errors.silent()
     return replace(
         problem,
         uncertainties=alone,
-        white=problem.white if source == "noise" else 0.0 * problem.white,
+        sensor_errors=errors,
         time_error=problem.time_error if source == "time base" else 0.0,
     )
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mcsim.gum.budget import Budget
-from mcsim.gum.course import Course
+from mcsim.gum.course import SENSOR_TERMS, Course
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -145,6 +145,12 @@ def comparison_words(course: Course) -> str:
         f"samples err independently, and by {stamps[-1]:.2g} m/s where it is the time stamps that "
         "err, whose errors cancel from one interval to the next."
     )
+    if course.sensor_terms:
+        parts.append(
+            "Eq. (30) and (31) leave out the accelerometer's own terms "
+            f"({', '.join(course.sensor_terms)}); Monte Carlo has them, and alone they make "
+            f"{course.simulated[SENSOR_TERMS][-1]:.2g} m/s."
+        )
     share = abs(course.interaction[-1]) / simulated**2
     parts.append(
         f"The sources acting together differ from the sum of each alone by {share:.1%} of the "

@@ -39,10 +39,12 @@ _LXX, _LXY, _LXZ, _LZX, _LZY, _LZZ, _BX, _BY, _BZ, _RX, _RY, _RZ, _TILT, _G = ra
 #: How the tilt enters, as numbers.
 FIRST_ORDER, SECOND_ORDER, EXACT = range(3)
 #: Steps of four channels (three axes and the interval) that one draw of twelve normals serves.
-_STEPS = 3
+STEPS = 3
 
-_KX, _KY, _KZ, _K0, _SPEED, _LINEAR, _STAMP, _LINEAR_STAMP = (LANES * row for row in range(8))
-_N_STATE = LANES * 8
+# Rows of the state: factors of the raw output and constant of the acceleration, velocity,
+# linear error, the last stamp's normal, and the same for the linear error.
+KX, KY, KZ, K0, SPEED, LINEAR, STAMP, LINEAR_STAMP = (LANES * row for row in range(8))
+N_STATE = LANES * 8
 
 
 @scalar
@@ -56,37 +58,59 @@ def tilt_factors(theta, order):
 
 
 @scalar
-def _drawn(k, j, inputs, uncertainties, constants):
+def drawn(k, j, inputs, uncertainties, constants):
     """Input ``k`` of lane ``j``: its estimate and what was drawn for it."""
     return inputs[k] + uncertainties[k] * np.float64(constants[k * LANES + j])
 
 
 @scalar
-def _start_groups(constants, inputs, uncertainties, order, state):
-    """The four numbers of each lane, Eq. (4), (5), (15), (19), (20)."""
+def _draw_rest(constants, inputs, uncertainties, rest):
+    """Mean raw output at rest, rows x, y, z."""
+    for axis in range(3):
+        for j in range(LANES):
+            rest[axis * LANES + j] = drawn(_RX + axis, j, inputs, uncertainties, constants)
+
+
+@scalar
+def start_groups(constants, inputs, uncertainties, order, rest, state):
+    """The four numbers of each lane, Eq. (4), (5), (15), (19), (20).
+
+    Rows of ``rest`` are the mean raw output of x, y, z at rest.
+    """
     for j in range(LANES):
         x = 0.0
         z = 0.0
         for axis in range(3):
-            rest = _drawn(_RX + axis, j, inputs, uncertainties, constants)
-            rest -= _drawn(_BX + axis, j, inputs, uncertainties, constants)
-            x += _drawn(_LXX + axis, j, inputs, uncertainties, constants) * rest
-            z += _drawn(_LZX + axis, j, inputs, uncertainties, constants) * rest
-        change = _drawn(_TILT, j, inputs, uncertainties, constants)
+            raw = rest[axis * LANES + j]
+            raw -= drawn(_BX + axis, j, inputs, uncertainties, constants)
+            x += drawn(_LXX + axis, j, inputs, uncertainties, constants) * raw
+            z += drawn(_LZX + axis, j, inputs, uncertainties, constants) * raw
+        change = drawn(_TILT, j, inputs, uncertainties, constants)
         p, q = tilt_factors(math.atan2(x, z) + change, order)
-        g = _drawn(_G, j, inputs, uncertainties, constants)
+        g = drawn(_G, j, inputs, uncertainties, constants)
         k0 = 0.0
         for axis in range(3):
-            lx = _drawn(_LXX + axis, j, inputs, uncertainties, constants)
-            lz = _drawn(_LZX + axis, j, inputs, uncertainties, constants)
+            lx = drawn(_LXX + axis, j, inputs, uncertainties, constants)
+            lz = drawn(_LZX + axis, j, inputs, uncertainties, constants)
             k = (p * lx - q * lz) * g
-            state[_KX + axis * LANES + j] = k
-            k0 -= k * _drawn(_BX + axis, j, inputs, uncertainties, constants)
-        state[_K0 + j] = k0
+            state[KX + axis * LANES + j] = k
+            k0 -= k * drawn(_BX + axis, j, inputs, uncertainties, constants)
+        state[K0 + j] = k0
 
 
 @scalar
-def _step(v, e, before, difference, k0, kx, ky, kz, x, y, z, interval, time_error):
+def start_run(stamps, normals, state):
+    """Standstill; the first of the normals is the first stamp's, if stamps err."""
+    for j in range(LANES):
+        first_stamp = np.float64(normals[j]) if stamps else 0.0
+        state[SPEED + j] = 0.0
+        state[LINEAR + j] = 0.0
+        state[STAMP + j] = first_stamp
+        state[LINEAR_STAMP + j] = first_stamp
+
+
+@scalar
+def step_on(v, e, before, difference, k0, kx, ky, kz, x, y, z, interval, time_error):
     """Velocity after one step, Eq. (24); ``e`` and ``before`` scale the interval's error."""
     step = interval + time_error * (e - difference * before)
     return v + (k0 + kx * x + ky * y + kz * z) * step
@@ -100,26 +124,26 @@ def _advance_three(i, normals, raw, white, interval, time_error, difference, sta
     x2, y2, z2 = raw[i + 2, 0], raw[i + 2, 1], raw[i + 2, 2]
     wx, wy, wz = white[0], white[1], white[2]
     for j in range(LANES):
-        k0, kx, ky, kz = state[_K0 + j], state[_KX + j], state[_KY + j], state[_KZ + j]
-        v = state[_SPEED + j]
-        before = state[_STAMP + j]
+        k0, kx, ky, kz = state[K0 + j], state[KX + j], state[KY + j], state[KZ + j]
+        v = state[SPEED + j]
+        before = state[STAMP + j]
         e0 = np.float64(normals[3 * LANES + j])
         e1 = np.float64(normals[7 * LANES + j])
         e2 = np.float64(normals[11 * LANES + j])
         x = x0 + wx * normals[j]
         y = y0 + wy * normals[LANES + j]
         z = z0 + wz * normals[2 * LANES + j]
-        v = _step(v, e0, before, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
+        v = step_on(v, e0, before, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
         x = x1 + wx * normals[4 * LANES + j]
         y = y1 + wy * normals[5 * LANES + j]
         z = z1 + wz * normals[6 * LANES + j]
-        v = _step(v, e1, e0, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
+        v = step_on(v, e1, e0, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
         x = x2 + wx * normals[8 * LANES + j]
         y = y2 + wy * normals[9 * LANES + j]
         z = z2 + wz * normals[10 * LANES + j]
-        v = _step(v, e2, e1, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
-        state[_SPEED + j] = v
-        state[_STAMP + j] = e2
+        v = step_on(v, e2, e1, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
+        state[SPEED + j] = v
+        state[STAMP + j] = e2
 
 
 @scalar
@@ -129,37 +153,37 @@ def _advance(i, row, normals, raw, white, interval, time_error, difference, stat
     wx, wy, wz = white[0], white[1], white[2]
     for j in range(LANES):
         e = np.float64(normals[row + 3 * LANES + j])
-        state[_SPEED + j] = _step(
-            state[_SPEED + j],
+        state[SPEED + j] = step_on(
+            state[SPEED + j],
             e,
-            state[_STAMP + j],
+            state[STAMP + j],
             difference,
-            state[_K0 + j],
-            state[_KX + j],
-            state[_KY + j],
-            state[_KZ + j],
+            state[K0 + j],
+            state[KX + j],
+            state[KY + j],
+            state[KZ + j],
             sx + wx * normals[row + j],
             sy + wy * normals[row + LANES + j],
             sz + wz * normals[row + 2 * LANES + j],
             interval,
             time_error,
         )
-        state[_STAMP + j] = e
+        state[STAMP + j] = e
 
 
 @scalar
-def _add_linear(i, row, normals, weights, difference, state):
+def add_linear(i, row, normals, weights, difference, state):
     """Add the step's share of the linear error; before the step itself, which moves the stamp."""
     a, b, c, d = weights[i, 0], weights[i, 1], weights[i, 2], weights[i, 3]
     for j in range(LANES):
         e = np.float64(normals[row + 3 * LANES + j])
-        state[_LINEAR + j] += (
+        state[LINEAR + j] += (
             a * normals[row + j]
             + b * normals[row + LANES + j]
             + c * normals[row + 2 * LANES + j]
-            + d * (e - difference * state[_LINEAR_STAMP + j])
+            + d * (e - difference * state[LINEAR_STAMP + j])
         )
-        state[_LINEAR_STAMP + j] = e
+        state[LINEAR_STAMP + j] = e
 
 
 @kernel
@@ -233,7 +257,9 @@ def simulate(
     random_state = np.empty(4 * LANES, np.uint32)
     normals = np.empty(12 * LANES, np.float32)
     constants = np.zeros(DRAWN * LANES, np.float32)
-    state = np.zeros(_N_STATE, np.float64)
+    rest = np.empty(3 * LANES, np.float64)
+    systematic = np.empty(LANES, np.float64)
+    state = np.zeros(N_STATE, np.float64)
     # Sums over the runs, shifted by the first run so that none of the digits is lost.
     sums = np.empty((n_instants, 5, LANES), np.float64)
     for block in range((count + LANES - 1) // LANES):
@@ -244,31 +270,27 @@ def simulate(
             take_constants(given, start, filled, DRAWN, constants)
         else:
             draw_constants(key, block_first, DRAWN, constants)
-        _start_groups(constants, inputs, uncertainties, order, state)
+        _draw_rest(constants, inputs, uncertainties, rest)
+        start_groups(constants, inputs, uncertainties, order, rest, state)
         seed_lanes(key, block_first, WHITE_NOISE, random_state)
         for run in range(runs):
             if stamps:
                 draw_group(random_state, normals)  # the first of them is the first stamp's
-            for j in range(LANES):
-                first_stamp = np.float64(normals[j]) if stamps else 0.0
-                state[_SPEED + j] = 0.0
-                state[_LINEAR + j] = 0.0
-                state[_STAMP + j] = first_stamp
-                state[_LINEAR_STAMP + j] = first_stamp
+            start_run(stamps, normals, state)
             done = 0
             for instant in range(n_instants):
                 i = done
                 while i < instants[instant]:
-                    part = i % _STEPS
+                    part = i % STEPS
                     if part == 0:
                         draw_group(random_state, normals)
                     row = 4 * part * LANES
-                    size = _STEPS if part == 0 and i + _STEPS <= instants[instant] else 1
+                    size = STEPS if part == 0 and i + STEPS <= instants[instant] else 1
                     if with_linear:
                         for k in range(size):
                             linear_row = row + 4 * k * LANES
-                            _add_linear(i + k, linear_row, normals, step_weights, difference, state)
-                    if size == _STEPS:
+                            add_linear(i + k, linear_row, normals, step_weights, difference, state)
+                    if size == STEPS:
                         _advance_three(
                             i, normals, raw, white, interval, stamp_error, difference, state
                         )
@@ -278,38 +300,39 @@ def simulate(
                         )
                     i += size
                 done = instants[instant]
-                _keep_run(run, state, sums[instant])
+                keep_run(run, state, sums[instant])
                 if with_curves:
                     for j in range(filled):
-                        curves[instant, run, start + j] = state[_SPEED + j]
+                        curves[instant, run, start + j] = state[SPEED + j]
         for instant in range(n_instants):
-            _finish(
-                instant, start, filled, runs, truth[instant], sums[instant], constants,
-                group_weights, errors, linear,
-            )  # fmt: skip
+            finish_errors(instant, start, filled, runs, truth[instant], sums[instant], errors)
+            if with_linear:
+                add_constants(group_weights[instant], constants, systematic)
+                finish_linear(instant, start, filled, runs, systematic, sums[instant], linear)
 
 
 @scalar
-def _keep_run(run, state, sums):
+def keep_run(run, state, sums):
     """Rows of ``sums``: first run, its linear error; then of the others, as differences to
     the first: sum, sum of squares, sum of linear errors."""
     if run == 0:
         for j in range(LANES):
-            sums[0, j] = state[_SPEED + j]
-            sums[1, j] = state[_LINEAR + j]
+            sums[0, j] = state[SPEED + j]
+            sums[1, j] = state[LINEAR + j]
             sums[2, j] = 0.0
             sums[3, j] = 0.0
             sums[4, j] = 0.0
     else:
         for j in range(LANES):
-            more = state[_SPEED + j] - sums[0, j]
+            more = state[SPEED + j] - sums[0, j]
             sums[2, j] += more
             sums[3, j] += more * more
-            sums[4, j] += state[_LINEAR + j] - sums[1, j]
+            sums[4, j] += state[LINEAR + j] - sums[1, j]
 
 
 @scalar
-def _finish(instant, start, filled, runs, truth, sums, constants, group_weights, errors, linear):
+def finish_errors(instant, start, filled, runs, truth, sums, errors):
+    """Errors of the first run and of the mean, and the scatter of the runs."""
     row = 3 * instant
     for j in range(filled):
         mean = sums[2, j] / runs
@@ -317,11 +340,23 @@ def _finish(instant, start, filled, runs, truth, sums, constants, group_weights,
         errors[row + 1, start + j] = sums[0, j] + mean - truth
         spread = sums[3, j] - runs * mean * mean
         errors[row + 2, start + j] = math.sqrt(max(spread, 0.0) / (runs - 1)) if runs > 1 else 0.0
-    if linear.shape[1] > 0:
-        for j in range(filled):
-            systematic = 0.0
-            for k in range(GROUP_INPUTS):
-                systematic += group_weights[instant, k] * np.float64(constants[k * LANES + j])
-            linear[row, start + j] = systematic + sums[1, j]
-            linear[row + 1, start + j] = systematic + sums[1, j] + sums[4, j] / runs
-            linear[row + 2, start + j] = 0.0
+
+
+@scalar
+def add_constants(weights, constants, systematic):
+    """Linear error that the constants with weights make, written into ``systematic``."""
+    for j in range(LANES):
+        total = 0.0
+        for k in range(len(weights)):
+            total += weights[k] * np.float64(constants[k * LANES + j])
+        systematic[j] = total
+
+
+@scalar
+def finish_linear(instant, start, filled, runs, systematic, sums, linear):
+    """Linear errors of the same; there is none of the scatter."""
+    row = 3 * instant
+    for j in range(filled):
+        linear[row, start + j] = systematic[j] + sums[1, j]
+        linear[row + 1, start + j] = systematic[j] + sums[1, j] + sums[4, j] / runs
+        linear[row + 2, start + j] = 0.0

@@ -18,6 +18,8 @@ from mcsim.units import Kind
 
 #: Blocks and keys that describe the run, not the simulated system.
 NOT_SWEPT = ("case", "title", "outputs", "figure", "sweep")
+#: Blocks that may be swept as a whole, by the names of sensors.
+SENSORS = ("sensors.accelerometer", "sensors.gyroscope", "sensor.accelerometer")
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ def _walk(annotation: Any, path: str, metadata: tuple[Any, ...] = ()) -> Iterato
     elif origin is Literal:
         yield Scalar(path, None, get_args(annotation))
     elif isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        if path in ("sensors.accelerometer", "sensors.gyroscope"):
+        if path in SENSORS:
             yield Scalar(path, None)
         for name, field in annotation.model_fields.items():
             if path == "" and name in NOT_SWEPT:

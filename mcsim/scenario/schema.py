@@ -31,7 +31,11 @@ def scenario_schema() -> dict[str, Any]:
         definitions |= schema.pop("$defs")
         schema["properties"]["sweep"] = _SWEEP
         definitions[model.__name__] = schema
-    for name, element in (("Accelerometer", "accelerometer"), ("Gyroscope", "gyroscope")):
+    for name, element in (
+        ("Accelerometer", "accelerometer"),
+        ("AccelerometerErrors", "accelerometer"),
+        ("Gyroscope", "gyroscope"),
+    ):
         block = definitions[name]
         definitions[name] = {
             "anyOf": [

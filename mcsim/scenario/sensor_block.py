@@ -152,7 +152,8 @@ class AccelerometerErrors(_Element):
     """Standard deviation of the bias drawn at each turn-on."""
     bias_instability: Accelerations | None = None
     """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B. Its longest
-    correlation time is ten times the run (with `calibration`, run and rest together)."""
+    correlation time is ten times the run (with `calibration`, run and rest together; in the
+    velocity case, the rest and all runs)."""
     acceleration_random_walk: AccelerationRandomWalks | None = None
     """Allan's K."""
     gauss_markov: AccelerationProcess | None = None

@@ -156,4 +156,5 @@ class StrapdownScenario(CaseScenario):
 
     @property
     def files(self) -> tuple[str, ...]:
-        return (self.trajectory.file,) if isinstance(self.trajectory, Recorded) else ()
+        drives = (self.trajectory.file,) if isinstance(self.trajectory, Recorded) else ()
+        return (*drives, *self.sensors.files)

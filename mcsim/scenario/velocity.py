@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Ge, Le, Len
 from pydantic import FiniteFloat, field_validator, model_validator
@@ -23,6 +23,12 @@ from mcsim.scenario.fields import (
     Speed,
     Time,
     reject,
+)
+from mcsim.scenario.sensor_block import (
+    NOISE_KEYS,
+    AccelerometerErrors,
+    NamedAccelerometer,
+    is_file,
 )
 
 #: Rows of the source's budget tables.
@@ -97,8 +103,12 @@ class RawAccelerometer(Block):
     """A tri-axial accelerometer with output in fractions of g."""
 
     rate: Annotated[Frequency, Positive, Ge(0.1), Le(100_000.0)]
-    noise: Axes
-    """Standard deviation of one raw sample, u(am)."""
+    accelerometer: NamedAccelerometer | None = None
+    """Error terms of the raw output: a built-in sensor's name, a sensor file, or a block.
+    Offsets, scale factors and angles are drawn once per group of runs; drifts begin with the
+    rest and go on through all its runs."""
+    noise: Axes | None = None
+    """Standard deviation of one raw sample, u(am); replaces the accelerometer's noise density."""
     sampling: Literal["average", "none"] = "average"
     """A sample is the mean over the interval that begins with it, or the momentary value just
     after it."""
@@ -107,6 +117,36 @@ class RawAccelerometer(Block):
     time_errors: Literal["independent", "stamps"] = "independent"
     """Intervals err independently, as the source assumes; or time stamps do, so that an
     interval that is too long is followed by one that is too short."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _noise_written_once(cls, value: Any) -> Any:
+        if isinstance(value, dict) and value.get("noise") is not None:
+            block = value.get("accelerometer")
+            twice = sorted(NOISE_KEYS & block.keys()) if isinstance(block, dict) else []
+            if twice:
+                raise reject(
+                    f"`noise` and `accelerometer.{twice[0]}` say the same thing twice; keep one"
+                )
+        return value
+
+    @model_validator(mode="after")
+    def _noise_given(self) -> RawAccelerometer:
+        block = self.accelerometer
+        if self.noise is None and (
+            block is None or (block.noise_density is None and block.velocity_random_walk is None)
+        ):
+            source = "" if block is None or block.model is None else f"{block.model}: "
+            raise reject(
+                f"{source}no noise is given; write `noise: {{x: 3.8e-3 g, y: 3.0e-3 g, z: 4.9e-3 "
+                "g}`, the deviation of one sample, or an `accelerometer` with a `noise_density`"
+            )
+        return self
+
+    @property
+    def terms(self) -> AccelerometerErrors:
+        """The accelerometer's error terms; an empty block if the scenario has none."""
+        return self.accelerometer or AccelerometerErrors()
 
 
 class Number(Block):
@@ -240,6 +280,11 @@ class VelocityScenario(CaseScenario):
                     f"which lasts {self.trajectory.duration:g} s"
                 )
         return self
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        model = self.sensor.terms.model
+        return (model,) if model is not None and is_file(model) else ()
 
     @property
     def reported(self) -> tuple[float, ...]:

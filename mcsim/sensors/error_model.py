@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.scenario.sensors import Sensors
+from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors
+from mcsim.scenario.sensors import BiasCalibration, Sensors
 from mcsim.sensors.coloured import NO_PROCESSES, Processes, after_calibration, processes_of
 from mcsim.sensors.signal_errors import SignalErrors, signal_errors
 from mcsim.units import sample_deviation
@@ -70,6 +71,29 @@ class ChannelErrors:
         """Standard deviation of all constant offsets together (c,)."""
         return np.sqrt(self.miscalibration**2 + self.turn_on_bias**2 + self.gravity_bias**2)
 
+    def silent(self) -> ChannelErrors:
+        """No errors at all, for the same channels."""
+        return replace(self.white_alone(), white=np.zeros_like(self.white))
+
+    def white_alone(self) -> ChannelErrors:
+        """White noise alone, for the same channels."""
+        nothing = np.zeros_like(self.white)
+        return ChannelErrors(
+            elements=self.elements,
+            white=self.white,
+            miscalibration=nothing,
+            turn_on_bias=nothing,
+            gravity_bias=nothing,
+            processes=(NO_PROCESSES,) * len(self.white),
+            mixing=(),
+            ranges=np.full_like(self.white, np.inf),
+            resolutions=nothing,
+            spike_rates=nothing,
+            spike_amplitudes=nothing,
+            bandwidths=self.bandwidths,
+            time_jitter=0.0,
+        )
+
 
 def channel_errors(
     sensors: Sensors,
@@ -84,11 +108,30 @@ def channel_errors(
     the constant specific force that no channel measures.  ``further`` channels are not measured
     but show in those that are, by misalignment and g-sensitivity.
     """
-    elements = {
-        ACCELEROMETER: signal_errors(sensors.accelerometer),
-        GYROSCOPE: signal_errors(sensors.gyroscope),
-    }
-    blocks = {ACCELEROMETER: sensors.accelerometer, GYROSCOPE: sensors.gyroscope}
+    return element_errors(
+        {ACCELEROMETER: sensors.accelerometer, GYROSCOPE: sensors.gyroscope},
+        sensors.rate,
+        channels,
+        duration,
+        gravity,
+        further,
+        sensors.time_jitter,
+        sensors.calibration,
+    )
+
+
+def element_errors(
+    blocks: Mapping[str, AccelerometerErrors | GyroscopeErrors],
+    rate: float,
+    channels: Sequence[Channel],
+    duration: float,
+    gravity: float = 0.0,
+    further: Sequence[Channel] = (),
+    time_jitter: float = 0.0,
+    calibration: BiasCalibration | None = None,
+) -> ChannelErrors:
+    """The same from the elements' blocks and the sampling ``rate`` (Hz)."""
+    elements = {name: signal_errors(block) for name, block in blocks.items()}
 
     def of(name: str) -> Array:
         return np.array([getattr(elements[c.element], name)[c.axis] for c in channels])
@@ -96,12 +139,12 @@ def channel_errors(
     def constant(name: str) -> Array:
         return np.array([_axis(getattr(blocks[c.element], name), c.axis) for c in channels])
 
-    white = np.array([sample_deviation(density, sensors.rate) for density in of("noise_density")])
+    white = np.array([sample_deviation(density, rate) for density in of("noise_density")])
     processes = tuple(
-        _processes(elements[c.element], c.axis, sensors, float(deviation), duration)
+        _processes(elements[c.element], c.axis, rate, calibration, float(deviation), duration)
         for c, deviation in zip(channels, white, strict=True)
     )
-    calibrated = sensors.calibration is not None
+    calibrated = calibration is not None
     return ChannelErrors(
         elements=tuple(c.element for c in channels),
         white=white,
@@ -116,7 +159,7 @@ def channel_errors(
         spike_rates=np.array([elements[c.element].spike_rate for c in channels]),
         spike_amplitudes=np.array([elements[c.element].spike_amplitude for c in channels]),
         bandwidths=tuple(map(float, of("bandwidth"))),
-        time_jitter=sensors.time_jitter,
+        time_jitter=time_jitter,
     )
 
 
@@ -127,21 +170,25 @@ def _axis(values: tuple[float, ...] | None, axis: int) -> float:
 
 
 def _processes(
-    element: SignalErrors, axis: int, sensors: Sensors, white: float, duration: float
+    element: SignalErrors,
+    axis: int,
+    rate: float,
+    calibration: BiasCalibration | None,
+    white: float,
+    duration: float,
 ) -> Processes:
-    calibration = sensors.calibration
     at_rest = calibration.duration if calibration is not None else 0.0
     processes = processes_of(
         float(element.bias_instability[axis]),
         float(element.random_walk[axis]),
         float(element.drift[axis]),
         float(element.drift_time[axis]),
-        1.0 / sensors.rate,
+        1.0 / rate,
         duration + at_rest,
     )
     if calibration is None:
         return processes
-    samples = max(1, round(calibration.duration * sensors.rate))
+    samples = max(1, round(calibration.duration * rate))
     if white == 0.0 and processes.count == 0:
         return NO_PROCESSES  # nothing hides the bias
     return after_calibration(processes, white, samples, calibration.method)
@@ -189,7 +236,11 @@ def per_interval(errors: ChannelErrors, rates: Sequence[bool], interval: float) 
 
     ``rates`` tells which of the channels, measured ones first, are angular rates.
     """
-    factors = np.where(rates, interval, 1.0)
+    return scaled(errors, np.where(rates, interval, 1.0))
+
+
+def scaled(errors: ChannelErrors, factors: Array) -> ChannelErrors:
+    """The same errors in other units; ``factors`` (s,) of the channels, measured ones first."""
     factor = factors[: len(errors.white)]
     return replace(
         errors,

@@ -75,27 +75,31 @@ class Measurement:
     resolutions: Array
 
     @classmethod
-    def of(cls, errors: ChannelErrors, signals: Array, interval: float) -> Measurement:
+    def of(
+        cls, errors: ChannelErrors, signals: Array, interval: float, count: int | None = None
+    ) -> Measurement:
         """Errors of channels that measure ``signals`` (n + 1, c).
 
-        Further columns of ``signals`` are not measured but may show in the others.
+        Further columns of ``signals`` are not measured but may show in the others.  Where
+        signals repeat, ``count`` is the number of samples that are measured in all.
 
         Raises
         ------
         InputError
             A run too long for the arrays of its in-run noise.
         """
+        count = len(signals) if count is None else count
         states = sum(p.count for p in errors.processes)
-        if len(signals) * states > _MOST_STATES:
+        if count * states > _MOST_STATES:
             raise InputError(
-                f"sensors: the in-run noise of {len(signals):,} samples takes more memory than "
+                f"sensors: the in-run noise of {count:,} samples takes more memory than "
                 "mcsim allows; shorten the drive, lower `sensors.rate`, or leave out "
                 "bias_instability, random walks and gauss_markov"
             )
         c = len(errors.white)
         own = signals[:, :c]
         ranged = bool(np.any(np.isfinite(errors.ranges))) and saturates(
-            errors, own, _WIDE * _spread(errors, signals)
+            errors, own, _WIDE * _spread(errors, signals, count)
         )
         digital = ranged or bool(np.any(errors.resolutions))
         probability = np.minimum(errors.spike_rates * interval, 1.0)
@@ -112,7 +116,7 @@ class Measurement:
             innovations=()
             if plain
             else tuple(
-                innovations_of(p, float(white), len(signals))
+                innovations_of(p, float(white), count)
                 for p, white in zip(errors.processes, errors.white, strict=True)
             ),
             jitter=np.gradient(own, axis=0) * (errors.time_jitter / interval)
@@ -182,7 +186,7 @@ class Measurement:
         """A bound of a channel's values that practically no realization exceeds."""
         spread = 0.0
         if np.any(self.white) or np.any(self.offsets) or self.innovations:
-            spread = _WIDE * float(_spread(self.errors, signals)[channel])
+            spread = _WIDE * float(_spread(self.errors, signals, len(signals))[channel])
             spread += float(np.sum(self.errors.spike_amplitudes[channel]))
         return float(np.max(np.abs(signals[:, channel]))) + spread
 
@@ -280,12 +284,12 @@ def _of_offsets(weights: Array, at_rest: AtRest | None) -> Array:
     return total if at_rest is None else total + at_rest.weights
 
 
-def _spread(errors: ChannelErrors, signals: Array) -> Array:
-    """Standard deviation (c,) of all errors of a sample together, with some room."""
+def _spread(errors: ChannelErrors, signals: Array, count: int) -> Array:
+    """Standard deviation (c,) of all errors of one of ``count`` samples, with some room."""
     largest = np.max(np.abs(signals), axis=0)
     variance = errors.white**2 + errors.offsets**2
     for k, p in enumerate(errors.processes):
-        last = np.trace(p.start) + len(signals) * float(np.sum(p.step_variance[p.decay >= 1.0]))
+        last = np.trace(p.start) + count * float(np.sum(p.step_variance[p.decay >= 1.0]))
         variance[k] += last
     for entry in errors.mixing:
         variance[entry.target] += (entry.deviation * largest[entry.source]) ** 2
