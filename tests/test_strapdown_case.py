@@ -288,3 +288,11 @@ def test_provenance_repeats_the_run():
     told = json.loads(json.dumps(results.provenance))
     again = mcsim.run(Scenario.from_dict(told["scenario"], told["name"]))
     pd.testing.assert_frame_equal(results.table, again.table, check_exact=True)
+
+
+def test_sensor_files_belong_to_the_scenario(tmp_path):
+    """A checkpoint must not outlive a change of such a file."""
+    (tmp_path / "mine.yaml").write_text("accelerometer: {velocity_random_walk: 0.1 m/s/√h}\n")
+    tree = scenario().document.tree
+    tree = {**tree, "sensors": {**tree["sensors"], "accelerometer": "mine.yaml"}}
+    assert Scenario.from_dict(tree, folder=tmp_path).base.files == ("mine.yaml",)
