@@ -39,7 +39,7 @@ sweep:
 @pytest.mark.parametrize(
     ("old", "new", "place", "message"),
     [
-        ("bank: 2 °", "bank: 60 °", ":4: body.bank", "at most 0.8 rad"),
+        ("bank: 2 °", "bank: 60 °", ":4: body.bank", "at most 45.8366 °"),
         ("bank: 2 °", "incline: 2 °", ":4: body.incline", 'unknown key "incline"'),
         ("0.3 °/(m/s²)", "0.3 °", ":5: body.roll.gradient", "angle gradient is needed here"),
         ("0.3 °/(m/s²)", "0.3", ":5: body.roll.gradient", "has no unit"),
