@@ -7,12 +7,13 @@ that draw are forked from it.  Where there is no such thing, each process import
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
-from multiprocessing import get_all_start_methods, get_context
+from multiprocessing import get_context
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -31,13 +32,7 @@ class Drawing:
         if jobs == 1:
             return
         # Never forked from this process: beside running threads that may hang.
-        if "forkserver" in get_all_start_methods():
-            from multiprocessing import forkserver
-
-            forkserver.set_forkserver_preload(list(_NEEDED))
-            with _interrupts_ignored():
-                forkserver.ensure_running()
-        else:
+        if not _prepared_fork_server():
             pool = self._start("spawn")
             for _ in range(jobs):
                 pool.submit(_get_ready)
@@ -76,6 +71,21 @@ class Drawing:
     def _start(self, method: str) -> Executor:
         self._pool = ProcessPoolExecutor(self._jobs, mp_context=get_context(method))
         return self._pool
+
+
+def _prepared_fork_server() -> bool:
+    """Begin the process that drawing processes are forked from; False where there can be none."""
+    if sys.platform != "linux":
+        return False  # elsewhere a process that has imported numpy may not be forked
+    from multiprocessing import forkserver
+
+    forkserver.set_forkserver_preload(list(_NEEDED))
+    try:
+        with _interrupts_ignored():
+            forkserver.ensure_running()
+    except OSError:
+        return False  # as where the path of the temporary folder is too long for a socket
+    return True
 
 
 @contextmanager
