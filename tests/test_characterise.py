@@ -118,7 +118,8 @@ def test_the_spectrum_holds_the_variance(csv, output):
 
 def test_the_summary_says_it_all(csv, tmp_path, capsys):
     arguments = ["characterise", str(csv), "--output", str(tmp_path), "--non-overlapping"]
-    assert exit_code([*arguments, "--fit-range", "0.1", "200", "--confidence", "3 sigma"]) == 0
+    arguments += ["--fit-range", "0.1", "200", "--intervals", "covariance"]
+    assert exit_code([*arguments, "--confidence", "3 sigma"]) == 0
     out, err = capsys.readouterr()
     assert "N (two-sided)" in out
     assert "velocity random walk well known" in out
@@ -126,6 +127,7 @@ def test_the_summary_says_it_all(csv, tmp_path, capsys):
     assert "accel_x: 100,000 samples" in err
     fit = YAML(typ="safe").load((tmp_path / "sensor.yaml").read_text(encoding="utf-8"))["fit"]
     assert fit["confidence"] == pytest.approx(0.9973, abs=1e-4)
+    assert fit["intervals"] == "covariance"
     assert fit["accel_x"]["cluster_times"].startswith("0.1 s to 1")
     table = pd.read_csv(tmp_path / "allan.csv")
     rows = table[table["channel"] == "accel_x"]
@@ -257,6 +259,7 @@ def test_ready_parameters_become_a_sensor(tmp_path, capsys):
         (["--rate", "60"], "time stamps say 50 Hz"),
         (["--fit-range", "5", "1"], "two ascending times"),
         (["--confidence", "7"], "has no unit"),
+        (["--confidence", "4 sigma"], "up to 99.9 %; give --intervals covariance"),
         (["--start", "1990"], "too short"),
         (["--non-existing"], "No such option"),
     ],

@@ -17,7 +17,7 @@ from mcsim.characterisation.allan import (
 )
 from mcsim.characterisation.bias import BiasTracking, analyse_bias
 from mcsim.characterisation.findings import Finding, Inspection, check_length, inspect
-from mcsim.characterisation.fit import NoiseFit, fit_noise
+from mcsim.characterisation.fit import Intervals, NoiseFit, fit_noise
 from mcsim.characterisation.spectrum import white_floor
 from mcsim.errors import InputError
 from mcsim.kernels.allan import NOISES
@@ -33,11 +33,16 @@ _OWN_TIME = 0.02
 
 @dataclass(frozen=True)
 class Settings:
-    """``estimator`` of the reported curve, ``fit_range`` in s, ``confidence`` as probability."""
+    """How to analyse.
+
+    ``estimator`` of the reported curve, ``fit_range`` in s, ``confidence`` as probability,
+    ``intervals`` of the fitted coefficients.
+    """
 
     estimator: Literal["overlapping", "non-overlapping"] = "overlapping"
     fit_range: tuple[float, float] | None = None
     confidence: float = 0.95
+    intervals: Intervals = "bootstrap"
 
 
 @dataclass(frozen=True)
@@ -105,7 +110,7 @@ def _analyse(channel: Channel, log: Log, settings: Settings) -> ChannelResult:
     changed = seen.samples is not channel.samples
     fitted = allan_curve(seen.samples, rate) if changed else overlapping
     try:
-        fit = fit_noise(fitted, settings.fit_range, settings.confidence)
+        fit = fit_noise(fitted, settings.fit_range, settings.confidence, settings.intervals)
     except ValueError as error:
         raise InputError(f"{where}: {channel.name}: {error}") from None
     curve = overlapping

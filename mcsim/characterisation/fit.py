@@ -3,18 +3,20 @@
 The Allan variance is linear in the squares of the coefficients.  They are fitted by
 non-negative least squares, each point weighted by the inverse of the deviation that it
 has under the fitted model itself, which is iterated: relative weights.  Overlapping
-clusters scatter together; the intervals follow from their whole covariance under the
-model (Greenhall and Riley 2003).
+clusters scatter together.  The intervals come from a block bootstrap of the log, or from
+the covariance of the whole curve under the model (Greenhall and Riley 2003).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.characterisation.allan import AllanCurve, allan_terms, covariances
+from mcsim.characterisation.bootstrap import bootstrap_coefficients
 from mcsim.characterisation.coefficients import Coefficient, coefficients_of
 from mcsim.characterisation.problem import (
     B,
@@ -31,6 +33,7 @@ from mcsim.characterisation.problem import (
 from mcsim.characterisation.process import GaussMarkovFit, fit_gauss_markov
 
 Array = NDArray[np.float64]
+Intervals = Literal["bootstrap", "covariance"]
 
 #: Terms that every fit holds; the others must prove that the data need them.
 _KEPT = (N, B, K)
@@ -91,26 +94,30 @@ def fit_noise(
     curve: AllanCurve,
     tau_range: tuple[float, float] | None = None,
     confidence: float = 0.95,
+    intervals: Intervals = "bootstrap",
 ) -> NoiseFit:
     """Fit Q, N, B, K and R to an overlapping Allan curve.
 
-    Q and R enter only where χ² demands them.  Without a ``tau_range`` (s) the shortest
-    clusters are left out as long as they contradict the model, as those of a sensor
-    with a low-pass filter do.
+    ``intervals`` come from a block bootstrap of the log, or from the covariance that the curve
+    has under the fitted model.  Q and R enter only where χ² demands them.  Without a
+    ``tau_range`` (s) the shortest clusters are left out as long as they contradict the model,
+    as those of a sensor with a low-pass filter do.
 
     Raises
     ------
     ValueError
-        Fewer than six cluster times in the range.
+        Fewer than six cluster times in the range, or a bootstrap of a curve that does not
+        overlap.
     """
-    problem = _problem(curve, tau_range)
+    curve, problem = _problem(curve, tau_range)
     free = tau_range is None
     while free and len(problem.tau) > _FEWEST_TIMES + _NEIGHBOURS and _first_misfits(problem):
         problem = problem.part(slice(1, None))
+        curve = curve.part(np.arange(1, len(curve.factors)))
     terms, solution = _choose_terms(problem)
     problem, solution = _allow_for_the_model(problem, terms, solution)
     fit = NoiseFit(
-        coefficients=coefficients_of(problem, solution, terms, confidence),
+        coefficients=_coefficients(curve, problem, solution, terms, confidence, intervals),
         squares=solution.squares,
         tau_from=float(problem.tau[0]),
         tau_to=float(problem.tau[-1]),
@@ -123,7 +130,25 @@ def fit_noise(
     return replace(fit, gauss_markov=fit_gauss_markov(problem, solution.weights))
 
 
-def _problem(curve: AllanCurve, tau_range: tuple[float, float] | None) -> Problem:
+def _coefficients(
+    curve: AllanCurve,
+    problem: Problem,
+    solution: Solution,
+    terms: tuple[int, ...],
+    confidence: float,
+    intervals: Intervals,
+) -> dict[str, Coefficient]:
+    if intervals == "covariance":
+        return coefficients_of(problem, solution, terms, confidence)
+    if curve.stretches is None:
+        raise ValueError("a bootstrap needs the overlapping Allan variance")
+    return bootstrap_coefficients(problem, solution, terms, curve.stretches, confidence)
+
+
+def _problem(
+    curve: AllanCurve, tau_range: tuple[float, float] | None
+) -> tuple[AllanCurve, Problem]:
+    """The part of the curve that is fitted, and how it scatters."""
     low, high = tau_range or (0.0, np.inf)
     # Five cluster times to a decade hold all that ten do.
     keep = np.flatnonzero((curve.tau >= low) & (curve.tau <= high))[::2]
@@ -132,8 +157,8 @@ def _problem(curve: AllanCurve, tau_range: tuple[float, float] | None) -> Proble
             f"{len(keep)} cluster times between {low:.4g} s and {high:.4g} s; "
             f"a fit needs at least {_FEWEST_TIMES}"
         )
-    part = replace(curve, factors=curve.factors[keep], variance=curve.variance[keep])
-    return Problem(part.tau, part.variance, covariances(part))
+    part = curve.part(keep)
+    return part, Problem(part.tau, part.variance, covariances(part))
 
 
 def _choose_terms(problem: Problem) -> tuple[tuple[int, ...], Solution]:

@@ -63,6 +63,7 @@ def sensor_file(found: Characterisation) -> str:
             document[element] = _element(element, results, log.rate)
     document["fit"] = {
         "confidence": float(confidence),
+        "intervals": found.settings.intervals,
         **{result.channel.name: _fit_details(result) for result in found.channels},
         "findings": [f"{f.channel}: {f.text}" if f.channel else f.text for f in found.findings],
     }
