@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal
 
@@ -84,7 +86,7 @@ class Characterisation:
 def characterise(
     log: Log, settings: Settings | None = None, step: Callable[[str], None] = lambda _: None
 ) -> Characterisation:
-    """Analyse a static log; ``step`` is told what is being done.
+    """Analyse a static log, its channels at the same time; ``step`` is told what is being done.
 
     Raises
     ------
@@ -94,10 +96,10 @@ def characterise(
     """
     settings = settings or Settings()
     check_length(log)
-    results = []
     for channel in log.channels:
         step(f"{channel.name}: {len(channel.samples):,} samples")
-        results.append(_analyse(channel, log, settings))
+    with ThreadPoolExecutor(min(len(log.channels), os.cpu_count() or 1)) as pool:
+        results = list(pool.map(lambda channel: _analyse(channel, log, settings), log.channels))
     return Characterisation(
         log, settings, tuple(results), (*_of_log(log), *_of_channels(results, log.duration))
     )

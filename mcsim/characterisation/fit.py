@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mcsim.characterisation.allan import AllanCurve, allan_terms, covariances
 from mcsim.characterisation.bootstrap import bootstrap_coefficients
 from mcsim.characterisation.coefficients import Coefficient, coefficients_of
+from mcsim.characterisation.comparison import Comparison, compare
 from mcsim.characterisation.problem import (
     B,
     K,
@@ -30,7 +31,7 @@ from mcsim.characterisation.problem import (
     misfit,
     solve,
 )
-from mcsim.characterisation.process import GaussMarkovFit, fit_gauss_markov
+from mcsim.characterisation.process import GaussMarkovFit
 
 Array = NDArray[np.float64]
 Intervals = Literal["bootstrap", "covariance"]
@@ -46,9 +47,6 @@ _NEEDED = 16.0
 _MISFIT, _VISIBLE, _NEIGHBOURS = 5.0, 0.04, 4
 #: Probability of a χ² at which the model no longer explains the curve by scatter alone.
 _UNLIKELY = 0.01
-#: A Gauss-Markov bias takes flicker's place when the model error with flicker is larger
-#: than this, and χ² so many times that with the process.
-_VISIBLE_MODEL_ERROR, _CLEARLY = 0.05, 4.0
 _FEWEST_TIMES = 6
 
 
@@ -69,20 +67,21 @@ class NoiseFit:
     confidence: float
     stated_range: bool
     model_error: float
-    gauss_markov: GaussMarkovFit | None = None
+    comparison: Comparison
 
     @property
-    def prefers_gauss_markov(self) -> bool:
-        """Whether flicker visibly misses the curve, and a Gauss-Markov bias does not."""
-        return (
-            self.gauss_markov is not None
-            and self.model_error > _VISIBLE_MODEL_ERROR
-            and self.chi_square > _CLEARLY * self.gauss_markov.chi_square
-        )
+    def gauss_markov(self) -> GaussMarkovFit | None:
+        """Noises and a Gauss-Markov bias, if the curve clearly holds one."""
+        return self.comparison.process if self.comparison.is_gauss_markov else None
+
+    @property
+    def model_squares(self) -> Array:
+        """Q², N², B², K², R² (5,) of the model that fits better, beside its process."""
+        return self.squares if self.gauss_markov is None else self.gauss_markov.squares
 
     def deviation(self, tau: Array) -> Array:
         """Allan deviation (k,) of the model that fits better."""
-        if self.gauss_markov is not None and self.prefers_gauss_markov:
+        if self.gauss_markov is not None:
             return self.gauss_markov.allan_deviation(tau)
         return (allan_terms(tau) @ self.squares) ** 0.5
 
@@ -115,8 +114,9 @@ def fit_noise(
         problem = problem.part(slice(1, None))
         curve = curve.part(np.arange(1, len(curve.factors)))
     terms, solution = _choose_terms(problem)
+    comparison = compare(problem, terms, solution.squares)
     problem, solution = _allow_for_the_model(problem, terms, solution)
-    fit = NoiseFit(
+    return NoiseFit(
         coefficients=_coefficients(curve, problem, solution, terms, confidence, intervals),
         squares=solution.squares,
         tau_from=float(problem.tau[0]),
@@ -126,8 +126,8 @@ def fit_noise(
         confidence=confidence,
         stated_range=not free,
         model_error=problem.model_error,
+        comparison=comparison,
     )
-    return replace(fit, gauss_markov=fit_gauss_markov(problem, solution.weights))
 
 
 def _coefficients(

@@ -210,7 +210,7 @@ def _summary(result: Characterisation) -> str:
     for channel in result.channels:
         element = channel.channel.element
         kind, unit = SAMPLE[element]
-        n, b, k = (number(channel.fit[term], element, term) for term in KEYS[element])
+        n, b, k = (number(channel.fit, element, term) for term in KEYS[element])
         bias = ["–"] * 4
         if channel.bias is not None:
             bias = [f"{channel.bias.model.correlation_time:.3g} s"] + [
