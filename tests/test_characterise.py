@@ -22,7 +22,7 @@ from mcsim.characterisation.spectrum import (
     spectrum_of,
     white_floor,
 )
-from mcsim.characterisation.verdict import verdict
+from mcsim.characterisation.verdict import number, verdict
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
 from mcsim.logs import Channel, Log, Timing
@@ -226,13 +226,34 @@ def test_a_gauss_markov_bias_stands_in_the_sensor_file(tmp_path):
     samples = gauss_markov(20.0, 0.004, RATE, 3 * N_SAMPLES, rng)
     samples += noise(11, (1e-3, 0.0, 0.0), 3 * N_SAMPLES)
     path = tmp_path / "sensor.yaml"
-    path.write_text(sensor_file(characterise(log_of(samples))), encoding="utf-8")
+    found = characterise(log_of(samples))
+    path.write_text(sensor_file(found), encoding="utf-8")
     block = catalogue.load_file(path).elements["accelerometer"]
     assert "bias_instability" not in block
     deviation = parse(block["gauss_markov"]["deviation"], KINDS["acceleration"])
     assert deviation == pytest.approx(0.004, rel=0.2)
     time = parse(block["gauss_markov"]["correlation_time"], KINDS["time"])
     assert time == pytest.approx(20.0, rel=0.35)
+    n = parse(block["velocity_random_walk"], KINDS["velocity random walk"])
+    assert n == pytest.approx(1e-3, rel=0.01)
+    fit = found.channels[0].fit
+    assert fit["N"].low < 1e-3 < fit["N"].high
+    assert fit["N"].high - fit["N"].low < 2e-5
+    # Control: with flicker and random walk in its place the same N is off.
+    straight = fit.squares[1] ** 0.5
+    assert abs(straight / 1e-3 - 1.0) > 0.02
+    assert number(fit, "accelerometer", "K") == "Gauss-Markov"
+    told = verdict(found)
+    assert any("A Gauss-Markov bias explains accel_x" in sentence for sentence in told)
+    assert not any("random walk does not show" in sentence for sentence in told)
+
+
+def test_a_random_walk_says_what_it_could_be():
+    found = characterise(log_of(noise(12, (1e-3, 0.0, 2e-4))))
+    assert found.channels[0].fit["K"].seen
+    assert any("would look the same in this log" in sentence for sentence in verdict(found))
+    details = YAML(typ="safe").load(sensor_file(found))["fit"]["accel_x"]
+    assert "correlation time above" in details["random_walk_or"]
 
 
 def test_noise_densities_from_deviation_and_spectrum_agree():

@@ -183,7 +183,8 @@ def _of_fit(result: ChannelResult, duration: float) -> list[Finding]:
             "noise): the fit begins there"
         )
         found.append(Finding("bandwidth", name, text))
-    if bias is not None and bias.model.correlation_time > _OWN_TIME * duration:
+    slow = bias is not None and bias.model.correlation_time > _OWN_TIME * duration
+    if bias is not None and slow and fit.gauss_markov is None:
         text = (
             f"the autocorrelation falls to 1/e after {bias.model.correlation_time:.3g} s, more "
             f"than {_OWN_TIME:.0%} of the log: flicker or a random walk rather than a "

@@ -55,7 +55,8 @@ class NoiseFit:
     """Coefficients of the model over ``tau_from`` to ``tau_to`` (s).
 
     ``squares`` float64 (5,) are Q², N², B², K², R² in SI units.  ``model_error`` is the
-    relative error of the variance at each cluster time that the model is allowed.
+    relative error of the variance at each cluster time that the model is allowed.  Where there
+    is a Gauss-Markov bias, the coefficient N is that of the clusters with more white noise.
     """
 
     coefficients: dict[str, Coefficient]
@@ -115,9 +116,16 @@ def fit_noise(
         curve = curve.part(np.arange(1, len(curve.factors)))
     terms, solution = _choose_terms(problem)
     comparison = compare(problem, terms, solution.squares)
+    found = {}
+    if comparison.is_gauss_markov and comparison.process is not None:
+        white = _white_part(problem, comparison.process)
+        beside = _allow_for_the_model(white, terms, solve(white, terms))
+        whole = curve.part(np.arange(len(white.tau)))
+        found["N"] = _coefficients(whole, *beside, terms, confidence, intervals)["N"]
     problem, solution = _allow_for_the_model(problem, terms, solution)
+    found = _coefficients(curve, problem, solution, terms, confidence, intervals) | found
     return NoiseFit(
-        coefficients=_coefficients(curve, problem, solution, terms, confidence, intervals),
+        coefficients=found,
         squares=solution.squares,
         tau_from=float(problem.tau[0]),
         tau_to=float(problem.tau[-1]),
@@ -128,6 +136,14 @@ def fit_noise(
         model_error=problem.model_error,
         comparison=comparison,
     )
+
+
+def _white_part(problem: Problem, process: GaussMarkovFit) -> Problem:
+    """The clusters that hold more white noise than process, which is a random walk there."""
+    white = process.squares[N] / problem.tau
+    less = white < process.model.allan_variance(problem.tau)
+    count = int(np.argmax(less)) if np.any(less) else len(less)
+    return problem.part(slice(0, max(count, _FEWEST_TIMES)))
 
 
 def _coefficients(

@@ -118,8 +118,12 @@ def _found_terms(fit: NoiseFit) -> dict[str, float]:
     """N, B and K that the log shows; with a Gauss-Markov bias its σ and Tc beside what is left."""
     process = fit.gauss_markov
     if process is not None:
-        found = {name: process.coefficient(TERMS.index(name)) for name in ("N", "B", "K")}
-        found |= {"σ": process.model.deviation, "Tc": process.model.correlation_time}
+        found = {name: process.coefficient(TERMS.index(name)) for name in ("B", "K")}
+        found |= {
+            "N": fit["N"].value,
+            "σ": process.model.deviation,
+            "Tc": process.model.correlation_time,
+        }
         return {term: value for term, value in found.items() if value > 0.0}
     return {term: fit[term].value for term in ("N", "B", "K") if fit[term].seen}
 

@@ -156,7 +156,7 @@ def _walk_sentence(found: Characterisation) -> str:
         return ""
     return (
         f"Random walk of {_listed(found, list(alike))}: a Gauss-Markov bias with a correlation "
-        f"time above {max(times):.2g} s would look the same in this log."
+        f"time above {float(f'{max(times):.2g}'):g} s would look the same in this log."
     )
 
 
