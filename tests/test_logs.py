@@ -209,7 +209,7 @@ def replaced(values, row, text):
     ("content", "options", "message"),
     [
         ("", {}, "is empty"),
-        ("t [s],gx [rad/s]\n", {}, "header and no samples"),
+        ("t [s],gx [rad/s]\n", {}, "header and no rows"),
         ("a,b\n1,2\n3,4", {}, "no accelerometer or gyroscope column"),
         ("1,2\n3,4\n", {}, "has no header"),
         ("t [s],gx\n0,1\n1,2\n", {}, r'"gx" \(gyro_x\) has no unit'),
