@@ -25,7 +25,7 @@ from mcsim.characterisation.spectrum import (
 from mcsim.characterisation.verdict import number, verdict
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
-from mcsim.logs import Channel, Log, Timing
+from mcsim.logs import Channel, Log, ReadOptions, Timing, read_log
 from mcsim.units import KINDS, parse, sample_deviation
 from tests.reference.noise import gauss_markov, static_noise
 
@@ -292,6 +292,29 @@ def test_bad_input_is_one_message_and_nothing_written(csv, tmp_path, capsys, arg
     assert message in err
     assert "Traceback" not in err
     assert not folder.exists()
+
+
+def test_a_doubtful_rate_is_in_the_verdict(tmp_path):
+    """Seconds that hold milliseconds: 100 Hz turn into 0.1 Hz, which some log may have."""
+    path = tmp_path / "log.csv"
+    table = pd.DataFrame({"t [s]": np.arange(2000) * 10.0, "ax [m/s^2]": noise(1, n=2000)})
+    table.to_csv(path, index=False)
+    told = " ".join(verdict(characterise(read_log(path))))
+    assert "The time stamps say 0.1 Hz, an unusual rate" in told
+    assert "unusual" not in " ".join(verdict(characterise(read_log(path, ReadOptions(rate=0.1)))))
+
+
+def test_a_log_of_one_row_is_one_message(tmp_path, capsys):
+    for text in ("t [s],ax [m/s^2]\n0,1\n", "ax [m/s^2]\n1\n"):
+        path = tmp_path / "log.csv"
+        path.write_text(text)
+        folder = tmp_path / "out"
+        arguments = ["characterise", str(path), "--rate", "100", "--output", str(folder)]
+        assert exit_code([*arguments, "--quiet"]) == 2
+        error = capsys.readouterr().err
+        assert "1 row" in error or "1 sample, 0.01 s: too short" in error
+        assert len(error.strip().splitlines()) == 1
+        assert not folder.exists()
 
 
 @pytest.mark.parametrize(

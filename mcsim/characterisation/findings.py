@@ -77,10 +77,11 @@ def check_length(log: Log) -> None:
     """
     n = len(log.channels[0].samples)
     if log.duration < _SHORTEST or n < _FEWEST_SAMPLES:
+        doubt = f" ({log.timing.doubt})" if log.timing.doubt else ""
         raise InputError(
-            f"{log.path}: {n} samples, {log.duration:.4g} s: too short; at least "
+            f"{log.path}: {n} sample{'s' * (n != 1)}, {log.duration:.4g} s: too short; at least "
             f"{_SHORTEST:.0f} s and {_FEWEST_SAMPLES} samples are needed, hours for bias "
-            "instability and random walk"
+            f"instability and random walk{doubt}"
         )
 
 

@@ -32,6 +32,8 @@ _OPENERS: dict[str, Callable[..., Any]] = {".gz": gzip.open, ".xz": lzma.open, "
 _LOOKED_AT = 50
 _DELIMITERS = (",", ";", "\t", r"\s+")
 _COMMENT = "#"
+#: Characters of a cell that a message shows.
+_SHOWN = 40
 _WITH_UNIT = re.compile(r"(?P<name>[^\[(]*)[\[(](?P<unit>[^\])]*(?:\([^)]*\))?[^\])]*)[\])]\s*")
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
 
@@ -97,7 +99,7 @@ class CsvFile:
         raise IndexError(row)
 
     def check_widths(self) -> None:
-        """Refuse rows that have more or fewer cells than the header; for small tables.
+        """Refuse rows with more cells than the header; for tables of moderate size.
 
         Raises
         ------
@@ -107,13 +109,10 @@ class CsvFile:
         with _readable(self.path), _open(self.path) as file:
             for number, line in enumerate(file, start=1):
                 text = line.partition(_COMMENT)[0].strip()
-                if number <= self.skipped or not text:
-                    continue
-                cells = _cells(text, self.delimiter)
-                if len(cells) < self.count or any(cells[self.count :]):
+                if number > self.skipped and any(_cells(text, self.delimiter)[self.count :]):
                     raise InputError(
-                        f"{self.path}:{number}: {len(cells)} values, but the header names "
-                        f"{self.count} columns"
+                        f"{self.path}:{number}: has more cells than the header, which has "
+                        f"{self.count}"
                     )
 
     def _read(self, places: list[int], kind: type | None = None) -> dict[int, pd.Series[Any]]:
@@ -157,7 +156,7 @@ class CsvFile:
             return np.asarray(numbers)
         row = int(np.argmax(bad))
         cell = column.iloc[row]
-        held = "nothing (or nan)" if pd.isna(cell) else f'"{str(cell).strip()}"'
+        held = "nothing (or nan)" if pd.isna(cell) else f'"{str(cell).strip()[:_SHOWN]}"'
         more = int(np.count_nonzero(bad)) - 1
         also = f", and so in {more} more rows" if more else ""
         if _DECIMAL_COMMA.fullmatch(str(cell)):
