@@ -294,6 +294,16 @@ def test_bad_input_is_one_message_and_nothing_written(csv, tmp_path, capsys, arg
     assert not folder.exists()
 
 
+def test_channels_do_not_depend_on_one_another():
+    """They are analysed at the same time, each with the same blocks."""
+    samples = [noise(k, n=20_000) for k in range(3)]
+    together = characterise(log_of(*samples)).channels
+    for axis, result in zip(samples, together, strict=True):
+        assert characterise(log_of(axis)).channels[0].fit.coefficients == result.fit.coefficients
+    # Control: their logs differ, and so do their results.
+    assert together[0].fit.coefficients != together[1].fit.coefficients
+
+
 def test_a_doubtful_rate_is_in_the_verdict(tmp_path):
     """Seconds that hold milliseconds: 100 Hz turn into 0.1 Hz, which some log may have."""
     path = tmp_path / "log.csv"
