@@ -40,12 +40,12 @@ def squares_of_stretches(
         Allan variance.
     """
     samples = phase.shape[0] - 1
-    for j in range(factors.shape[0]):
-        n = factors[j]
-        count = samples - 2 * n + 1
-        for s in range(edges.shape[0] - 1):
+    # Stretch by stretch, so that the phases of short clusters stay in the processor's cache.
+    for s in range(edges.shape[0] - 1):
+        for j in range(factors.shape[0]):
+            n = factors[j]
             low = max(0, edges[s] - n)
-            high = max(low, min(count, edges[s + 1] - n))
+            high = max(low, min(samples - 2 * n + 1, edges[s + 1] - n))
             total = _squares(
                 phase[low:high], phase[low + n : high + n], phase[low + 2 * n : high + 2 * n]
             )
