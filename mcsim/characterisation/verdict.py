@@ -7,6 +7,7 @@ import numpy as np
 from mcsim.characterisation.analysis import ChannelResult, Characterisation
 from mcsim.characterisation.coefficients import Coefficient
 from mcsim.characterisation.fit import NoiseFit
+from mcsim.characterisation.problem import TERMS
 from mcsim.characterisation.sensor_file import DENSITY, KEYS
 from mcsim.logs.model import ACCELEROMETER
 from mcsim.units import KINDS, density_from_random_walk, in_unit
@@ -56,8 +57,11 @@ def verdict(found: Characterisation) -> list[str]:
 def number(fit: NoiseFit, element: str, term: str) -> str:
     """Value and uncertainty in the sensor block's unit: ``0.0833 m/s/√h ± 0.4 %``."""
     _, kind, unit = KEYS[element][term]
-    if _is_replaced(fit, term):
-        return "Gauss-Markov"
+    if fit.gauss_markov is not None and _is_replaced(fit, term):
+        beside = fit.gauss_markov.coefficient(TERMS.index(term))
+        if not beside:
+            return "Gauss-Markov"
+        return f"{in_unit(beside, unit, KINDS[kind]):.3g} {unit} beside Gauss-Markov"
     coefficient = fit[term]
     if not coefficient.seen:
         return f"not seen (below {in_unit(coefficient.high, unit, KINDS[kind]):.3g} {unit})"

@@ -115,7 +115,7 @@ def _draw_curve(result: ChannelResult, axes: Axes) -> None:
     if fit.gauss_markov is not None:
         line = np.sqrt(fit.gauss_markov.model.allan_variance(tau)) * one
         line = np.where(line > bottom, line, np.nan)
-        axes.plot(tau, line, linestyle="--", color=_FLICKER, lw=1.0, label="Gauss-Markov bias")
+        axes.plot(tau, line, linestyle="--", color=_OTHER, lw=1.0, label="Gauss-Markov bias")
     log_scale(axes, "x", tau.tolist())
     axes.set_yscale("log")
     log_scale(axes, "y", [bottom, 2.0 * float(np.max(result.high)) * one])
@@ -126,12 +126,13 @@ def _draw_curve(result: ChannelResult, axes: Axes) -> None:
 
 def _numbers(result: ChannelResult, axes: Axes) -> None:
     element, fit = result.channel.element, result.fit
-    slow = ("B", "K") if fit.gauss_markov is None else ()
+    process = fit.gauss_markov
+    slow = [t for t in ("B", "K") if process is None or process.coefficient(TERMS.index(t))]
     lines = [f"{term} {number(fit, element, term)}" for term in ("N", *slow)]
     lines.insert(1, f"   = {noise_density(result)} one-sided")
-    if fit.gauss_markov is not None:
+    if process is not None:
         convert, unit = _scale(result)
-        model = fit.gauss_markov.model
+        model = process.model
         lines.append(
             f"Gauss-Markov bias: {convert(model.deviation):.3g} {unit}, "
             f"Tc {model.correlation_time:.3g} s"
