@@ -351,6 +351,7 @@ def test_a_scenario_becomes_tables_and_a_picture(tmp_path, capsys):
     ("column", "options", "message"),
     [
         (np.full(300, 9.8), [], "az is constant (9.8 in SI units): nothing vibrates"),
+        (1e200 * np.sin(np.arange(300.0)), [], "reaches 1e+200 m/s², beyond any sensor"),
         (np.sin(np.arange(300.0)), ["--rate", "50 Hz"], "--rate says 50 Hz, the time stamps say"),
         (np.sin(np.arange(300.0)), ["--moving-average", "301"], "longer than the log (300"),
         (np.sin(np.arange(300.0)), ["--time", "time in ns"], "is their unit right?"),

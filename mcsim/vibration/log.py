@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mcsim.errors import InputError, UnitError
 from mcsim.logs.csv_file import CsvFile, Title, open_csv
-from mcsim.units import KINDS, factor
+from mcsim.units import KINDS, Kind, factor
 
 Array = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ def read_vibration_log(
     ------
     InputError
         No such file or column, no unit, no time, gaps, cells that are no numbers, a channel
-        that is constant, or stamps that contradict the rate.
+        that is constant or beyond use, or stamps that contradict the rate.
     """
     file = open_csv(path)
     if file.titles is None:
@@ -103,10 +103,11 @@ def read_vibration_log(
     cells = file.numbers([*chosen, *([stamps.place] if stamps else [])])
     count = len(next(iter(cells.values())))
     if count < _FEWEST_ROWS:
-        raise InputError(f"{path}: {count} rows are too few; at least {_FEWEST_ROWS}")
+        told = "1 row is" if count == 1 else f"{count} rows are"
+        raise InputError(f"{path}: {told} too few; at least {_FEWEST_ROWS}")
     values = np.column_stack([cells[place] * si for place, si in chosen.items()])
     names = tuple(others[place].name for place in chosen)
-    _refuse_constant(path, names, values)
+    _refuse_dead(path, names, values, KINDS[kind])
     if stamps is not None:
         column = cells[stamps.place]
         # Whole nanoseconds do not fit into floats: the first one goes before.
@@ -174,8 +175,14 @@ def _factor(path: Path, title: Title, unit: str, kind: str) -> float:
         raise InputError(f"{path}: {title.text}: {error}") from None
 
 
-def _refuse_constant(path: Path, names: tuple[str, ...], values: Array) -> None:
+def _refuse_dead(path: Path, names: tuple[str, ...], values: Array, kind: Kind) -> None:
     for name, column in zip(names, values.T, strict=True):
+        largest = float(np.abs(column).max())
+        if largest > kind.largest:
+            raise InputError(
+                f"{path}: {name} reaches {largest:.3g} {kind.si_unit}, beyond any sensor; is its "
+                "unit right?"
+            )
         if np.ptp(column) == 0.0:
             others = ", ".join(n for n in names if n != name)
             hint = f"; leave it out by naming the others ({others}) with --channel"
