@@ -378,6 +378,12 @@ def test_lines_of_short_logs_are_found():
 def test_a_log_without_noise_does_not_break():
     found = characterise(log_of(1e-6 * np.arange(20_000.0)))
     assert np.all(np.isfinite(found.channels[0].high))
+    # Nearly all blocks of this one hold nothing; of the other every second cluster is the same.
+    steps = np.zeros(20_000)
+    steps[[100, 5000, 9000]] = 1e-3
+    for samples in (steps, 1e-3 * (np.arange(20_000) % 2)):
+        fit = characterise(log_of(samples)).channels[0].fit
+        assert all(np.isfinite([c.low, c.high]).all() for c in fit.coefficients.values())
 
 
 def test_a_characterised_sensor_converts_to_other_dialects(output, capsys):

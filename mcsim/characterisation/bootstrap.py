@@ -34,6 +34,8 @@ _FEWEST, _MOST, _BEYOND = 1000, 20_000, 10
 _SEED = 1
 #: Rounds of weights and squares: with two, two more in a hundred intervals of K miss.
 _ROUNDS = 8
+#: A resampled variance below this part of the log's own counts as this part.
+_LEAST_RATIO = 1e-6
 
 
 def largest_confidence() -> float:
@@ -100,7 +102,8 @@ def _spread(curves: Array, problem: Problem, solution: Solution) -> Array:
     degrees = 2.0 * expected**2 / np.diagonal(problem.covariance(solution.squares))
     # The deviation of the logarithm of χ².
     wanted = np.sqrt(polygamma(1, 0.5 * degrees))
-    away = np.log(curves / problem.variance)
+    # Of a log with a few steps, some blocks hold none.
+    away = np.log(np.maximum(curves / problem.variance, _LEAST_RATIO))
     scatter = np.maximum(away.std(axis=0), 1e-12)
     return np.asarray(problem.variance * np.exp(away * np.maximum(1.0, wanted / scatter)))
 

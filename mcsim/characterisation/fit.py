@@ -48,6 +48,7 @@ _MISFIT, _VISIBLE, _NEIGHBOURS = 5.0, 0.04, 4
 #: Probability of a χ² at which the model no longer explains the curve by scatter alone.
 _UNLIKELY = 0.01
 _FEWEST_TIMES = 6
+_LEAST_VARIANCE = 1e-60
 
 
 @dataclass(frozen=True)
@@ -174,7 +175,9 @@ def _problem(
             f"a fit needs at least {_FEWEST_TIMES}"
         )
     part = curve.part(keep)
-    return part, Problem(part.tau, part.variance, covariances(part))
+    # A log without noise has variances of zero, which no logarithm and no weight takes.
+    variance = np.maximum(part.variance, _LEAST_VARIANCE)
+    return part, Problem(part.tau, variance, covariances(part))
 
 
 def _choose_terms(problem: Problem) -> tuple[tuple[int, ...], Solution]:
