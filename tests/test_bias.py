@@ -16,10 +16,10 @@ from mcsim.characterisation.bias import (
     smooth,
     track_bias,
 )
-from mcsim.characterisation.bias_table import tracked_biases
 from mcsim.characterisation.process import GaussMarkov
 from mcsim.errors import InputError
 from mcsim.units import STANDARD_GRAVITY
+from mcsim.vibration.bias_table import tracked_biases
 from tests.reference.noise import gauss_markov
 
 RATE = 20.0

@@ -102,11 +102,13 @@ def test_means_and_samples_are_read(tmp_path):
         (lambda rows: [rows[1].replace("-x", "+x"), rows[0].replace("+x", "-x"), *rows[2:]],
          "interchanged"),
         (lambda rows: [rows[0].replace("+x", "north"), *rows[1:]], "is not one of"),
-        (lambda rows: ["+x,one,0,0", *rows[1:]], "line 2: x: \"one\" is not a number"),
+        (lambda rows: ["+x,one,0,0", *rows[1:]], 'test.csv:2: column "x" holds "one", where'),
         (lambda rows: ["+x,9.81,0.1,0.2", *rows[1:]], "divide values in m/s² by 9.80665"),
-        (lambda rows: ["+x,1.0", *rows[1:]], "2 values, but the header names 4"),
-        (lambda rows: ["+x,nan,0,0", *rows[1:]], "is not a number"),
-        (lambda _: [], "holds no rows"),
+        (lambda rows: ["+x,1.0", *rows[1:]], 'test.csv:2: column "y" holds nothing'),
+        (lambda rows: ["+x,1.0,0,0,7", *rows[1:]], "test.csv:2: has more cells than the header"),
+        (lambda rows: ["+x,nan,0,0", *rows[1:]], 'column "x" holds nothing (or nan)'),
+        (lambda rows: ["", "# done by hand", "+x,,0,0", *rows[1:]], "test.csv:4: column"),
+        (lambda _: [], "holds a header and no rows"),
     ],
 )  # fmt: skip
 def test_bad_tests_are_explained(tmp_path, change, message):
@@ -180,7 +182,7 @@ def test_commands_of_the_velocity_paper(tmp_path, capsys):
     assert exit_code(["linearity", scenario, "--output", str(tmp_path)]) == 0
     assert "ppm of 15 g" in capsys.readouterr().out
     assert exit_code(["linearity", str(tmp_path / "none.csv"), "--full-scale", "15 g"]) == 2
-    assert "cannot be read" in capsys.readouterr().err
+    assert "no such file" in capsys.readouterr().err
     assert exit_code(["budget", str(SCENARIOS / "paper" / "figure1.yaml")]) == 2
     assert "a budget needs `case: velocity`" in capsys.readouterr().err
     assert exit_code(["budget", scenario, *out]) == 0

@@ -22,10 +22,10 @@ from mcsim.characterisation.spectrum import (
     spectrum_of,
     white_floor,
 )
-from mcsim.characterisation.verdict import verdict
+from mcsim.characterisation.verdict import number, verdict
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
-from mcsim.logs import Channel, Log, Timing
+from mcsim.logs import Channel, Log, ReadOptions, Timing, read_log
 from mcsim.units import KINDS, parse, sample_deviation
 from tests.reference.noise import gauss_markov, static_noise
 
@@ -118,7 +118,8 @@ def test_the_spectrum_holds_the_variance(csv, output):
 
 def test_the_summary_says_it_all(csv, tmp_path, capsys):
     arguments = ["characterise", str(csv), "--output", str(tmp_path), "--non-overlapping"]
-    assert exit_code([*arguments, "--fit-range", "0.1", "200", "--confidence", "3 sigma"]) == 0
+    arguments += ["--fit-range", "0.1", "200", "--intervals", "covariance"]
+    assert exit_code([*arguments, "--confidence", "3 sigma"]) == 0
     out, err = capsys.readouterr()
     assert "N (two-sided)" in out
     assert "velocity random walk well known" in out
@@ -126,6 +127,7 @@ def test_the_summary_says_it_all(csv, tmp_path, capsys):
     assert "accel_x: 100,000 samples" in err
     fit = YAML(typ="safe").load((tmp_path / "sensor.yaml").read_text(encoding="utf-8"))["fit"]
     assert fit["confidence"] == pytest.approx(0.9973, abs=1e-4)
+    assert fit["intervals"] == "covariance"
     assert fit["accel_x"]["cluster_times"].startswith("0.1 s to 1")
     table = pd.read_csv(tmp_path / "allan.csv")
     rows = table[table["channel"] == "accel_x"]
@@ -224,13 +226,34 @@ def test_a_gauss_markov_bias_stands_in_the_sensor_file(tmp_path):
     samples = gauss_markov(20.0, 0.004, RATE, 3 * N_SAMPLES, rng)
     samples += noise(11, (1e-3, 0.0, 0.0), 3 * N_SAMPLES)
     path = tmp_path / "sensor.yaml"
-    path.write_text(sensor_file(characterise(log_of(samples))), encoding="utf-8")
+    found = characterise(log_of(samples))
+    path.write_text(sensor_file(found), encoding="utf-8")
     block = catalogue.load_file(path).elements["accelerometer"]
     assert "bias_instability" not in block
     deviation = parse(block["gauss_markov"]["deviation"], KINDS["acceleration"])
     assert deviation == pytest.approx(0.004, rel=0.2)
     time = parse(block["gauss_markov"]["correlation_time"], KINDS["time"])
     assert time == pytest.approx(20.0, rel=0.35)
+    n = parse(block["velocity_random_walk"], KINDS["velocity random walk"])
+    assert n == pytest.approx(1e-3, rel=0.01)
+    fit = found.channels[0].fit
+    assert fit["N"].low < 1e-3 < fit["N"].high
+    assert fit["N"].high - fit["N"].low < 2e-5
+    # Control: with flicker and random walk in its place the same N is off.
+    straight = fit.squares[1] ** 0.5
+    assert abs(straight / 1e-3 - 1.0) > 0.02
+    assert number(fit, "accelerometer", "K") == "Gauss-Markov"
+    told = verdict(found)
+    assert any("A Gauss-Markov bias explains accel_x" in sentence for sentence in told)
+    assert not any("random walk does not show" in sentence for sentence in told)
+
+
+def test_a_random_walk_says_what_it_could_be():
+    found = characterise(log_of(noise(12, (1e-3, 0.0, 2e-4))))
+    assert found.channels[0].fit["K"].seen
+    assert any("would look the same in this log" in sentence for sentence in verdict(found))
+    details = YAML(typ="safe").load(sensor_file(found))["fit"]["accel_x"]
+    assert "correlation time above" in details["random_walk_or"]
 
 
 def test_noise_densities_from_deviation_and_spectrum_agree():
@@ -257,6 +280,7 @@ def test_ready_parameters_become_a_sensor(tmp_path, capsys):
         (["--rate", "60"], "time stamps say 50 Hz"),
         (["--fit-range", "5", "1"], "two ascending times"),
         (["--confidence", "7"], "has no unit"),
+        (["--confidence", "4 sigma"], "up to 99.9 %; give --intervals covariance"),
         (["--start", "1990"], "too short"),
         (["--non-existing"], "No such option"),
     ],
@@ -268,6 +292,39 @@ def test_bad_input_is_one_message_and_nothing_written(csv, tmp_path, capsys, arg
     assert message in err
     assert "Traceback" not in err
     assert not folder.exists()
+
+
+def test_channels_do_not_depend_on_one_another():
+    """They are analysed at the same time, each with the same blocks."""
+    samples = [noise(k, n=20_000) for k in range(3)]
+    together = characterise(log_of(*samples)).channels
+    for axis, result in zip(samples, together, strict=True):
+        assert characterise(log_of(axis)).channels[0].fit.coefficients == result.fit.coefficients
+    # Control: their logs differ, and so do their results.
+    assert together[0].fit.coefficients != together[1].fit.coefficients
+
+
+def test_a_doubtful_rate_is_in_the_verdict(tmp_path):
+    """Seconds that hold milliseconds: 100 Hz turn into 0.1 Hz, which some log may have."""
+    path = tmp_path / "log.csv"
+    table = pd.DataFrame({"t [s]": np.arange(2000) * 10.0, "ax [m/s^2]": noise(1, n=2000)})
+    table.to_csv(path, index=False)
+    told = " ".join(verdict(characterise(read_log(path))))
+    assert "The time stamps say 0.1 Hz, an unusual rate" in told
+    assert "unusual" not in " ".join(verdict(characterise(read_log(path, ReadOptions(rate=0.1)))))
+
+
+def test_a_log_of_one_row_is_one_message(tmp_path, capsys):
+    for text in ("t [s],ax [m/s^2]\n0,1\n", "ax [m/s^2]\n1\n"):
+        path = tmp_path / "log.csv"
+        path.write_text(text)
+        folder = tmp_path / "out"
+        arguments = ["characterise", str(path), "--rate", "100", "--output", str(folder)]
+        assert exit_code([*arguments, "--quiet"]) == 2
+        error = capsys.readouterr().err
+        assert "1 row" in error or "1 sample, 0.01 s: too short" in error
+        assert len(error.strip().splitlines()) == 1
+        assert not folder.exists()
 
 
 @pytest.mark.parametrize(
@@ -321,6 +378,12 @@ def test_lines_of_short_logs_are_found():
 def test_a_log_without_noise_does_not_break():
     found = characterise(log_of(1e-6 * np.arange(20_000.0)))
     assert np.all(np.isfinite(found.channels[0].high))
+    # Nearly all blocks of this one hold nothing; of the other every second cluster is the same.
+    steps = np.zeros(20_000)
+    steps[[100, 5000, 9000]] = 1e-3
+    for samples in (steps, 1e-3 * (np.arange(20_000) % 2)):
+        fit = characterise(log_of(samples)).channels[0].fit
+        assert all(np.isfinite([c.low, c.high]).all() for c in fit.coefficients.values())
 
 
 def test_a_characterised_sensor_converts_to_other_dialects(output, capsys):

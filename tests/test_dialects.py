@@ -360,6 +360,28 @@ def test_convert_shows_all_dialects_and_says_which_are_not_possible(capsys):
 
 
 @pytest.mark.parametrize(
+    ("dialect", "held", "others"),
+    [
+        ("kalibr", "gyroscope_noise_density 5.81776e-05", ("°/√h,", "gyro_arw", "MATLAB")),
+        ("kf-gins", "arw 0.2", ("KF_GINS", "gyroscope_noise_density")),
+        ("datasheet", "0.00471405 °/s/√Hz", ("angle random walk N", "Kalibr")),
+        ("allan", "0.00333333 °/√s", ("°/s/√Hz", "Kalibr")),
+        ("matlab", "NoiseDensity 8.22756e-05", ("gyro_arw",)),
+    ],
+)
+def test_a_quantity_is_shown_in_the_dialect_asked_for(dialect, held, others, capsys):
+    assert exit_code(["convert", "0.2 °/√h", "--to", dialect]) == 0
+    out = capsys.readouterr().out
+    assert held in out
+    assert not any(other in out for other in others)
+    # Control: without the option all are there.
+    assert exit_code(["convert", "0.2 °/√h"]) == 0
+    whole = capsys.readouterr().out
+    assert held in whole
+    assert "Kalibr" in whole
+
+
+@pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["5 °/h"], "--as bias_instability"),
@@ -367,6 +389,11 @@ def test_convert_shows_all_dialects_and_says_which_are_not_possible(capsys):
         ([""], "name a file, a sensor or a quantity"),
         (["LSM330D"], "did you mean"),
         (["1 mg/√Hz", "--rate", "0 Hz"], "above zero"),
+        (["1 mg/√Hz", "--rate", "-5 Hz"], "above zero"),
+        (["-3 °/h"], '"-3 °/h": a noise figure is zero or above'),
+        (["--as", "bias_instability", "-.3 °/h", "--to", "kalibr"], "zero or above"),
+        (["--nonsense"], "No such option"),
+        (["5 °/h", "--as", "bias_instability", "--to", "kalibr"], "kalibr has no place for it"),
         (["LSM330DL", "--assume", "n"], "write key=meaning"),
         (["MTN-1100", "--to", "kalibr", "--rate", "100 Hz"], "Allan's K"),
     ],

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mcsim.characterisation.findings import check_length
 from mcsim.errors import InputError
 from mcsim.logs import ReadOptions, read_log
 from mcsim.logs.parameters import read_parameters
@@ -209,7 +210,7 @@ def replaced(values, row, text):
     ("content", "options", "message"),
     [
         ("", {}, "is empty"),
-        ("t [s],gx [rad/s]\n", {}, "header and no samples"),
+        ("t [s],gx [rad/s]\n", {}, "header and no rows"),
         ("a,b\n1,2\n3,4", {}, "no accelerometer or gyroscope column"),
         ("1,2\n3,4\n", {}, "has no header"),
         ("t [s],gx\n0,1\n1,2\n", {}, r'"gx" \(gyro_x\) has no unit'),
@@ -224,6 +225,18 @@ def replaced(values, row, text):
         (replaced(np.column_stack([TIME, TIME]), 0, "0"), {"rate": 50.0}, "time stamps say 100 Hz"),
         (replaced(np.column_stack([TIME * 1e9, TIME]), 0, "0"), {}, "is their unit right"),
         (replaced(np.column_stack([TIME // 0.05, TIME]), 0, "0"), {}, "too coarse"),
+        (replaced(np.column_stack([TIME * 1e-3, TIME]), 0, "0"), {}, "say 100000 Hz, which no"),
+        (replaced(np.column_stack([TIME * 1e-3, TIME]), 0, "0"), {"rate": 100.0},
+         "agree if the unit of time is 1000 times larger"),
+        (replaced(np.column_stack([TIME * 1e6, TIME]), 0, "0"), {"rate": 100.0},
+         "agree if the unit of time is 1000000 times smaller"),
+        (replaced(np.column_stack([TIME, TIME]), 3, "1e300"), {}, "reaches 1e.300 rad/s, beyond"),
+        (replaced(np.column_stack([TIME, TIME]), 0, "oops"), {}, ':2: column .* holds "oops"'),
+        (replaced(np.column_stack([TIME, TIME]), 5, "\N{MINUS SIGN}x"), {}, ":7: column"),
+        ("# by hand\n\n" + replaced(np.column_stack([TIME, TIME]), 7, "oops"), {}, ":11: column"),
+        ("t [s];gx [rad/s]\n0,5;1,5\n0,6;1,6\n", {}, "write a decimal point, not a comma"),
+        ("t [s],gx [rad/s]\n0,1\n", {}, "1 row: too few for a rate"),
+        ("t [s],gx [rad/s]\n" + 9 * "0,1\n", {}, "repeat the one before"),
         ("gx [rad/s],gy [rad/s]\n0,1\n1,2\n", {"rate": -1.0}, "--rate -1 Hz"),
         ("1,2\n3,4\n", {"rate": 1.0, "columns": "gyro_x"}, "has 2 columns, --columns names 1"),
         ("1,2\n3,4\n", {"rate": 1.0, "columns": "gyro_x,foo"}, '"foo" is none of'),
@@ -237,6 +250,38 @@ def test_bad_files_end_in_one_message(tmp_path, content, options, message):
     with pytest.raises(InputError, match=message) as error:
         read_log(path, ReadOptions(**options))
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(("scale", "hint"), [(1e3, "1000 times smaller"), (2e-3, "times larger")])
+def test_unusual_rates_are_doubted(tmp_path, scale, hint):
+    """Milliseconds under a header of s, and seconds under one of ms."""
+    path = write(tmp_path / "log.csv", [TIME * scale, GYRO[:, 0]], ["t [s]", "gx [rad/s]"])
+    log = read_log(path)
+    assert any(hint in note for note in log.notes)
+    with pytest.raises(InputError, match=hint):
+        check_length(log)
+    # Control: a rate that is confirmed is not doubted.
+    assert not read_log(path, ReadOptions(rate=RATE / scale)).notes
+
+
+def test_cells_may_hold_real_minus_signs_and_lines_comments(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("# by hand\nt [s],gx [rad/s]\n0,\N{MINUS SIGN}1\n# pause\n1,-2\n\n2,3\n")
+    log = read_log(path)
+    np.testing.assert_array_equal(log.channels[0].samples, [-1.0, -2.0, 3.0])
+
+
+@pytest.mark.parametrize("pack", [gzip.compress, lzma.compress])
+def test_truncated_archives_are_refused(tmp_path, pack):
+    whole = pack(
+        write(tmp_path / "plain.csv", [TIME, GYRO[:, 0]], ["t [s]", "gx [rad/s]"]).read_bytes()
+    )
+    ending = ".gz" if pack is gzip.compress else ".xz"
+    for part in (len(whole) // 2, 20):
+        path = tmp_path / f"cut.csv{ending}"
+        path.write_bytes(whole[:part])
+        with pytest.raises(InputError, match=r"cannot be read \(Compressed file ended"):
+            read_log(path)
 
 
 @pytest.mark.parametrize(

@@ -11,11 +11,11 @@ from scipy.signal import butter, chirp, sosfiltfilt
 from mcsim.cli.main import exit_code
 from mcsim.cli.paper import shipped_scenarios
 from mcsim.errors import InputError
-from mcsim.logs.csv_log import Log, read_csv_log
 from mcsim.scenario.document import parse_document
 from mcsim.scenario.validation import validate
 from mcsim.vibration.analysis import Engine, analyse
 from mcsim.vibration.excitation import acceleration, elevator_phases, elevator_speed
+from mcsim.vibration.log import Log, read_vibration_log
 from mcsim.vibration.processing import filters
 from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
 from mcsim.vibration.sensor_tables import printed, remarks, sensor_table
@@ -342,9 +342,34 @@ def test_a_scenario_becomes_tables_and_a_picture(tmp_path, capsys):
     ]
     orders = pd.read_csv(folder / "orders.csv").query("channel == 'z'")
     assert orders["amplitude_raw [m/s^2]"].to_numpy() == pytest.approx([0.05, 0.6, 0.3], rel=0.03)
-    log = read_csv_log(folder / "log.csv")
+    log = read_vibration_log(folder / "log.csv")
     assert log.rate == pytest.approx(740.0)
     assert log.samples[:, 2].mean() == pytest.approx(9.8, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("column", "options", "message"),
+    [
+        (np.full(300, 9.8), [], "az is constant (9.8 in SI units): nothing vibrates"),
+        (1e200 * np.sin(np.arange(300.0)), [], "reaches 1e+200 m/s², beyond any sensor"),
+        (np.sin(np.arange(300.0)), ["--rate", "50 Hz"], "--rate says 50 Hz, the time stamps say"),
+        (np.sin(np.arange(300.0)), ["--moving-average", "301"], "longer than the log (300"),
+        (np.sin(np.arange(300.0)), ["--time", "time in ns"], "is their unit right?"),
+    ],
+)
+def test_logs_that_tell_nothing_are_refused(tmp_path, capsys, column, options, message):
+    path = tmp_path / "log.csv"
+    table = pd.DataFrame({"time [s]": np.arange(300) / 100.0, "az [m/s^2]": column})
+    table.to_csv(path, index=False)
+    arguments = ["vibration", str(path), "--output", str(tmp_path / "out")]
+    assert exit_code([*arguments, *options]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert len(error.strip().splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+    # Control: the rate that the stamps have is no contradiction.
+    if "--rate" in options:
+        assert exit_code([*arguments, "--rate", "100 Hz", "--quiet"]) == 0
 
 
 def test_a_log_is_analysed_like_the_scenario_it_came_from(tmp_path, capsys):

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.calibration.csv_table import read_table
+from mcsim.calibration.columns import read_columns
 from mcsim.errors import InputError
 
 Array = NDArray[np.float64]
@@ -54,9 +54,8 @@ def read_amplitudes(path: Path) -> tuple[Array, Array]:
     InputError
         Fewer than four points, text, or references that are all equal.
     """
-    table = read_table(path, ("reference", "measured"))
-    reference = np.array([table.number(row, "reference") for row in table.rows])
-    measured = np.array([table.number(row, "measured") for row in table.rows])
+    outputs = read_columns(path, ("reference", "measured")).outputs
+    reference, measured = outputs["reference"], outputs["measured"]
     if len(reference) < _FEWEST_POINTS:
         raise InputError(
             f"{path}: {len(reference)} points; a line and its residuals need at least "

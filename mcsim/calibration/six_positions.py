@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.calibration.csv_table import read_table
+from mcsim.calibration.columns import read_columns
 from mcsim.cases.velocity_samples import raw_output_of
 from mcsim.errors import InputError
 
@@ -90,27 +90,24 @@ def read_six_positions(path: Path) -> SixPositions:
     InputError
         A missing position, text, or values that are no fractions of g.
     """
-    table = read_table(path, ("position", "x", "y", "z"), ("repetition",))
+    table = read_columns(path, tuple(AXES), ("position",), ("repetition",))
+    outputs = np.column_stack([table.outputs[axis] for axis in AXES])
+    written = table.texts["position"]
+    repetitions = table.texts.get("repetition", ["1"] * len(written))
     samples: dict[str, dict[str, list[list[float]]]] = {}
-    for row in table.rows:
-        text = row.cells["position"].strip().lower().replace("_", "").replace(" ", "")
-        text = text.replace("\N{MINUS SIGN}", "-")
+    for row, (given, values) in enumerate(zip(written, outputs.tolist(), strict=True)):
+        text = given.lower().replace("_", "").replace(" ", "").replace("\N{MINUS SIGN}", "-")
         position = _SPELLINGS.get(text, text)
         if position not in POSITIONS:
             raise InputError(
-                f'{path}, line {row.line}: position: "{row.cells["position"]}" is not one of '
-                f"{', '.join(POSITIONS)}"
+                f'{table.where(row)}: position: "{given}" is not one of {", ".join(POSITIONS)}'
             )
-        values = [table.number(row, axis) for axis in AXES]
         if max(map(abs, values)) > _LARGEST_OUTPUT:
             raise InputError(
-                f"{path}, line {row.line}: {max(values, key=abs):g} is no fraction of g at rest; "
+                f"{table.where(row)}: {max(values, key=abs):g} is no fraction of g at rest; "
                 "divide values in m/s² by 9.80665, or write the unit mg into the header"
             )
-        repetition = row.cells.get("repetition", "1").strip()
-        samples.setdefault(repetition, {}).setdefault(position, []).append(values)
-    if not samples:
-        raise InputError(f"{path}: holds no rows; six positions are needed")
+        samples.setdefault(repetitions[row], {}).setdefault(position, []).append(values)
     for repetition, by_position in samples.items():
         missing = [p for p in POSITIONS if p not in by_position]
         if missing:

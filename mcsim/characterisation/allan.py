@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError
-from mcsim.kernels.allan import NOISES, allan_covariances, allan_variances
+from mcsim.kernels.allan import (
+    NOISES,
+    allan_covariances,
+    separate_variances,
+    squares_of_stretches,
+)
 
 Array = NDArray[np.float64]
 
@@ -18,6 +23,29 @@ _PER_DECADE = 10
 #: The longest clusters are this part of the log: fewer than three tell nothing.
 _LONGEST = 3
 _FEWEST_SAMPLES = 16
+#: Stretches of the log whose squared differences are kept apart.
+_STRETCHES = 256
+
+
+@dataclass(frozen=True)
+class Stretches:
+    """What each of s equal stretches of a log adds to its Allan variances.
+
+    ``squares`` float64 (k, s): sums of half the squared differences whose middle lies in the
+    stretch; ``counts`` float64 (k, s): how many they are.
+    """
+
+    squares: Array
+    counts: Array
+
+    @property
+    def variance(self) -> Array:
+        """Allan variance (k,) of the whole log."""
+        return np.asarray(self.squares.sum(axis=1) / self.counts.sum(axis=1))
+
+    def part(self, which: slice | NDArray[np.int64]) -> Stretches:
+        """Of some of the cluster times."""
+        return Stretches(self.squares[which], self.counts[which])
 
 
 @dataclass(frozen=True)
@@ -25,14 +53,27 @@ class AllanCurve:
     """Allan deviation over cluster time.
 
     ``factors`` int64 (k,) samples per cluster; ``interval`` and ``length`` of the log
-    in s; ``variance`` float64 (k,) in the samples' unit squared.
+    in s; ``variance`` float64 (k,) in the samples' unit squared.  ``stretches`` of an
+    overlapping estimate, for its bootstrap.
     """
 
     factors: NDArray[np.int64]
     interval: float
     length: float
     variance: Array
-    overlapping: bool = True
+    stretches: Stretches | None = None
+
+    @property
+    def overlapping(self) -> bool:
+        """Whether clusters begin at every sample."""
+        return self.stretches is not None
+
+    def part(self, which: NDArray[np.int64]) -> AllanCurve:
+        """The curve at some of its cluster times."""
+        stretches = self.stretches.part(which) if self.stretches else None
+        return replace(
+            self, factors=self.factors[which], variance=self.variance[which], stretches=stretches
+        )
 
     @property
     def tau(self) -> Array:
@@ -91,9 +132,24 @@ def allan_curve(
     phase[0] = 0.0
     # Without the mean the running sum stays small, and so do its rounding errors.
     np.cumsum(samples - samples.mean(), out=phase[1:])
+    if overlapping:
+        stretches = _stretches(phase, factors)
+        return AllanCurve(factors, 1.0 / rate, n / rate, stretches.variance, stretches)
     variance = np.empty(len(factors))
-    allan_variances(phase, factors, overlapping, variance)
-    return AllanCurve(factors, 1.0 / rate, n / rate, variance, overlapping)
+    separate_variances(phase, factors, variance)
+    return AllanCurve(factors, 1.0 / rate, n / rate, variance)
+
+
+def _stretches(phase: Array, factors: NDArray[np.int64]) -> Stretches:
+    stretches = min(_STRETCHES, len(phase) // 2)
+    edges = np.arange(stretches + 1) * len(phase) // stretches
+    squares = np.empty((len(factors), stretches))
+    squares_of_stretches(phase, factors, edges, squares)
+    clusters = factors[:, None]
+    # A difference that begins at sample i has its middle at i + n.
+    first = np.maximum(edges[:-1] - clusters, 0)
+    last = np.minimum(edges[1:] - clusters, len(phase) - 2 * clusters)
+    return Stretches(squares, np.maximum(last - first, 0).astype(float))
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,7 +19,7 @@ from mcsim.characterisation.allan import (
 )
 from mcsim.characterisation.bias import BiasTracking, analyse_bias
 from mcsim.characterisation.findings import Finding, Inspection, check_length, inspect
-from mcsim.characterisation.fit import NoiseFit, fit_noise
+from mcsim.characterisation.fit import Intervals, NoiseFit, fit_noise
 from mcsim.characterisation.spectrum import white_floor
 from mcsim.errors import InputError
 from mcsim.kernels.allan import NOISES
@@ -33,11 +35,16 @@ _OWN_TIME = 0.02
 
 @dataclass(frozen=True)
 class Settings:
-    """``estimator`` of the reported curve, ``fit_range`` in s, ``confidence`` as probability."""
+    """How to analyse.
+
+    ``estimator`` of the reported curve, ``fit_range`` in s, ``confidence`` as probability,
+    ``intervals`` of the fitted coefficients.
+    """
 
     estimator: Literal["overlapping", "non-overlapping"] = "overlapping"
     fit_range: tuple[float, float] | None = None
     confidence: float = 0.95
+    intervals: Intervals = "bootstrap"
 
 
 @dataclass(frozen=True)
@@ -79,7 +86,7 @@ class Characterisation:
 def characterise(
     log: Log, settings: Settings | None = None, step: Callable[[str], None] = lambda _: None
 ) -> Characterisation:
-    """Analyse a static log; ``step`` is told what is being done.
+    """Analyse a static log, its channels at the same time; ``step`` is told what is being done.
 
     Raises
     ------
@@ -89,10 +96,10 @@ def characterise(
     """
     settings = settings or Settings()
     check_length(log)
-    results = []
     for channel in log.channels:
         step(f"{channel.name}: {len(channel.samples):,} samples")
-        results.append(_analyse(channel, log, settings))
+    with ThreadPoolExecutor(min(len(log.channels), os.cpu_count() or 1)) as pool:
+        results = list(pool.map(lambda channel: _analyse(channel, log, settings), log.channels))
     return Characterisation(
         log, settings, tuple(results), (*_of_log(log), *_of_channels(results, log.duration))
     )
@@ -105,7 +112,7 @@ def _analyse(channel: Channel, log: Log, settings: Settings) -> ChannelResult:
     changed = seen.samples is not channel.samples
     fitted = allan_curve(seen.samples, rate) if changed else overlapping
     try:
-        fit = fit_noise(fitted, settings.fit_range, settings.confidence)
+        fit = fit_noise(fitted, settings.fit_range, settings.confidence, settings.intervals)
     except ValueError as error:
         raise InputError(f"{where}: {channel.name}: {error}") from None
     curve = overlapping
@@ -176,7 +183,8 @@ def _of_fit(result: ChannelResult, duration: float) -> list[Finding]:
             "noise): the fit begins there"
         )
         found.append(Finding("bandwidth", name, text))
-    if bias is not None and bias.model.correlation_time > _OWN_TIME * duration:
+    slow = bias is not None and bias.model.correlation_time > _OWN_TIME * duration
+    if bias is not None and slow and fit.gauss_markov is None:
         text = (
             f"the autocorrelation falls to 1/e after {bias.model.correlation_time:.3g} s, more "
             f"than {_OWN_TIME:.0%} of the log: flicker or a random walk rather than a "

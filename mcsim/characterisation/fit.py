@@ -3,19 +3,22 @@
 The Allan variance is linear in the squares of the coefficients.  They are fitted by
 non-negative least squares, each point weighted by the inverse of the deviation that it
 has under the fitted model itself, which is iterated: relative weights.  Overlapping
-clusters scatter together; the intervals follow from their whole covariance under the
-model (Greenhall and Riley 2003).
+clusters scatter together.  The intervals come from a block bootstrap of the log, or from
+the covariance of the whole curve under the model (Greenhall and Riley 2003).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.characterisation.allan import AllanCurve, allan_terms, covariances
+from mcsim.characterisation.bootstrap import bootstrap_coefficients
 from mcsim.characterisation.coefficients import Coefficient, coefficients_of
+from mcsim.characterisation.comparison import Comparison, compare
 from mcsim.characterisation.problem import (
     B,
     K,
@@ -28,9 +31,10 @@ from mcsim.characterisation.problem import (
     misfit,
     solve,
 )
-from mcsim.characterisation.process import GaussMarkovFit, fit_gauss_markov
+from mcsim.characterisation.process import GaussMarkovFit
 
 Array = NDArray[np.float64]
+Intervals = Literal["bootstrap", "covariance"]
 
 #: Terms that every fit holds; the others must prove that the data need them.
 _KEPT = (N, B, K)
@@ -43,10 +47,8 @@ _NEEDED = 16.0
 _MISFIT, _VISIBLE, _NEIGHBOURS = 5.0, 0.04, 4
 #: Probability of a χ² at which the model no longer explains the curve by scatter alone.
 _UNLIKELY = 0.01
-#: A Gauss-Markov bias takes flicker's place when the model error with flicker is larger
-#: than this, and χ² so many times that with the process.
-_VISIBLE_MODEL_ERROR, _CLEARLY = 0.05, 4.0
 _FEWEST_TIMES = 6
+_LEAST_VARIANCE = 1e-60
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ class NoiseFit:
     """Coefficients of the model over ``tau_from`` to ``tau_to`` (s).
 
     ``squares`` float64 (5,) are Q², N², B², K², R² in SI units.  ``model_error`` is the
-    relative error of the variance at each cluster time that the model is allowed.
+    relative error of the variance at each cluster time that the model is allowed.  Where there
+    is a Gauss-Markov bias, the coefficient N is that of the clusters with more white noise.
     """
 
     coefficients: dict[str, Coefficient]
@@ -66,20 +69,21 @@ class NoiseFit:
     confidence: float
     stated_range: bool
     model_error: float
-    gauss_markov: GaussMarkovFit | None = None
+    comparison: Comparison
 
     @property
-    def prefers_gauss_markov(self) -> bool:
-        """Whether flicker visibly misses the curve, and a Gauss-Markov bias does not."""
-        return (
-            self.gauss_markov is not None
-            and self.model_error > _VISIBLE_MODEL_ERROR
-            and self.chi_square > _CLEARLY * self.gauss_markov.chi_square
-        )
+    def gauss_markov(self) -> GaussMarkovFit | None:
+        """Noises and a Gauss-Markov bias, if the curve clearly holds one."""
+        return self.comparison.process if self.comparison.is_gauss_markov else None
+
+    @property
+    def model_squares(self) -> Array:
+        """Q², N², B², K², R² (5,) of the model that fits better, beside its process."""
+        return self.squares if self.gauss_markov is None else self.gauss_markov.squares
 
     def deviation(self, tau: Array) -> Array:
         """Allan deviation (k,) of the model that fits better."""
-        if self.gauss_markov is not None and self.prefers_gauss_markov:
+        if self.gauss_markov is not None:
             return self.gauss_markov.allan_deviation(tau)
         return (allan_terms(tau) @ self.squares) ** 0.5
 
@@ -91,26 +95,38 @@ def fit_noise(
     curve: AllanCurve,
     tau_range: tuple[float, float] | None = None,
     confidence: float = 0.95,
+    intervals: Intervals = "bootstrap",
 ) -> NoiseFit:
     """Fit Q, N, B, K and R to an overlapping Allan curve.
 
-    Q and R enter only where χ² demands them.  Without a ``tau_range`` (s) the shortest
-    clusters are left out as long as they contradict the model, as those of a sensor
-    with a low-pass filter do.
+    ``intervals`` come from a block bootstrap of the log, or from the covariance that the curve
+    has under the fitted model.  Q and R enter only where χ² demands them.  Without a
+    ``tau_range`` (s) the shortest clusters are left out as long as they contradict the model,
+    as those of a sensor with a low-pass filter do.
 
     Raises
     ------
     ValueError
-        Fewer than six cluster times in the range.
+        Fewer than six cluster times in the range, or a bootstrap of a curve that does not
+        overlap.
     """
-    problem = _problem(curve, tau_range)
+    curve, problem = _problem(curve, tau_range)
     free = tau_range is None
     while free and len(problem.tau) > _FEWEST_TIMES + _NEIGHBOURS and _first_misfits(problem):
         problem = problem.part(slice(1, None))
+        curve = curve.part(np.arange(1, len(curve.factors)))
     terms, solution = _choose_terms(problem)
+    comparison = compare(problem, terms, solution.squares)
+    found = {}
+    if comparison.is_gauss_markov and comparison.process is not None:
+        white = _white_part(problem, comparison.process)
+        beside = _allow_for_the_model(white, terms, solve(white, terms))
+        whole = curve.part(np.arange(len(white.tau)))
+        found["N"] = _coefficients(whole, *beside, terms, confidence, intervals)["N"]
     problem, solution = _allow_for_the_model(problem, terms, solution)
-    fit = NoiseFit(
-        coefficients=coefficients_of(problem, solution, terms, confidence),
+    found = _coefficients(curve, problem, solution, terms, confidence, intervals) | found
+    return NoiseFit(
+        coefficients=found,
         squares=solution.squares,
         tau_from=float(problem.tau[0]),
         tau_to=float(problem.tau[-1]),
@@ -119,11 +135,37 @@ def fit_noise(
         confidence=confidence,
         stated_range=not free,
         model_error=problem.model_error,
+        comparison=comparison,
     )
-    return replace(fit, gauss_markov=fit_gauss_markov(problem, solution.weights))
 
 
-def _problem(curve: AllanCurve, tau_range: tuple[float, float] | None) -> Problem:
+def _white_part(problem: Problem, process: GaussMarkovFit) -> Problem:
+    """The clusters that hold more white noise than process, which is a random walk there."""
+    white = process.squares[N] / problem.tau
+    less = white < process.model.allan_variance(problem.tau)
+    count = int(np.argmax(less)) if np.any(less) else len(less)
+    return problem.part(slice(0, max(count, _FEWEST_TIMES)))
+
+
+def _coefficients(
+    curve: AllanCurve,
+    problem: Problem,
+    solution: Solution,
+    terms: tuple[int, ...],
+    confidence: float,
+    intervals: Intervals,
+) -> dict[str, Coefficient]:
+    if intervals == "covariance":
+        return coefficients_of(problem, solution, terms, confidence)
+    if curve.stretches is None:
+        raise ValueError("a bootstrap needs the overlapping Allan variance")
+    return bootstrap_coefficients(problem, solution, terms, curve.stretches, confidence)
+
+
+def _problem(
+    curve: AllanCurve, tau_range: tuple[float, float] | None
+) -> tuple[AllanCurve, Problem]:
+    """The part of the curve that is fitted, and how it scatters."""
     low, high = tau_range or (0.0, np.inf)
     # Five cluster times to a decade hold all that ten do.
     keep = np.flatnonzero((curve.tau >= low) & (curve.tau <= high))[::2]
@@ -132,8 +174,10 @@ def _problem(curve: AllanCurve, tau_range: tuple[float, float] | None) -> Proble
             f"{len(keep)} cluster times between {low:.4g} s and {high:.4g} s; "
             f"a fit needs at least {_FEWEST_TIMES}"
         )
-    part = replace(curve, factors=curve.factors[keep], variance=curve.variance[keep])
-    return Problem(part.tau, part.variance, covariances(part))
+    part = curve.part(keep)
+    # A log without noise has variances of zero, which no logarithm and no weight takes.
+    variance = np.maximum(part.variance, _LEAST_VARIANCE)
+    return part, Problem(part.tau, variance, covariances(part))
 
 
 def _choose_terms(problem: Problem) -> tuple[tuple[int, ...], Solution]:

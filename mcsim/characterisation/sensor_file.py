@@ -11,7 +11,9 @@ import numpy as np
 from mcsim.characterisation.analysis import ChannelResult, Characterisation
 from mcsim.characterisation.bias import BiasTracking
 from mcsim.characterisation.coefficients import Coefficient
+from mcsim.characterisation.comparison import DECIDES
 from mcsim.characterisation.fit import NoiseFit
+from mcsim.characterisation.problem import TERMS
 from mcsim.logs.model import ACCELEROMETER, GYROSCOPE
 from mcsim.logs.parameters import Parameters
 from mcsim.units import KINDS, density_from_random_walk, in_unit
@@ -63,6 +65,7 @@ def sensor_file(found: Characterisation) -> str:
             document[element] = _element(element, results, log.rate)
     document["fit"] = {
         "confidence": float(confidence),
+        "intervals": found.settings.intervals,
         **{result.channel.name: _fit_details(result) for result in found.channels},
         "findings": [f"{f.channel}: {f.text}" if f.channel else f.text for f in found.findings],
     }
@@ -112,11 +115,15 @@ def _element(element: str, results: list[ChannelResult], rate: float) -> dict[st
 
 
 def _found_terms(fit: NoiseFit) -> dict[str, float]:
-    """N, B and K that the log shows; with a Gauss-Markov bias its σ and Tc in place of B."""
+    """N, B and K that the log shows; with a Gauss-Markov bias its σ and Tc beside what is left."""
     process = fit.gauss_markov
-    if process is not None and fit.prefers_gauss_markov:
-        found = {"N": process.white, "K": process.random_walk}
-        found |= {"σ": process.model.deviation, "Tc": process.model.correlation_time}
+    if process is not None:
+        found = {name: process.coefficient(TERMS.index(name)) for name in ("B", "K")}
+        found |= {
+            "N": fit["N"].value,
+            "σ": process.model.deviation,
+            "Tc": process.model.correlation_time,
+        }
         return {term: value for term, value in found.items() if value > 0.0}
     return {term: fit[term].value for term in ("N", "B", "K") if fit[term].seen}
 
@@ -163,18 +170,28 @@ def _fit_details(result: ChannelResult) -> dict[str, Any]:
     details["one_sided_noise_density"] = written(density(fit["N"].value), unit, kind)
     details["one_sided_noise_density_from_spectrum"] = written(density(result.floor), unit, kind)
     details |= _other_terms(element, fit)
-    if fit.gauss_markov is not None:
+    details |= _comparison_details(element, fit)
+    if result.bias is not None:
+        details["bias_tracking"] = _bias_details(element, result.bias)
+    return details
+
+
+def _comparison_details(element: str, fit: NoiseFit) -> dict[str, Any]:
+    """The best model with a Gauss-Markov bias, and what the log can tell of it."""
+    found: dict[str, Any] = {}
+    model, alike = fit.comparison.process, fit.comparison.shortest_alike
+    if model is not None:
         kind, unit = SAMPLE[element]
-        model = fit.gauss_markov
-        details["gauss_markov_in_place_of_bias_instability"] = {
+        found["with_gauss_markov_bias"] = {
             "correlation_time": f"{model.model.correlation_time:.4g} s",
             "correlation_time_interval": f"{model.time_low:.4g} s to {model.time_high:.4g} s",
             "deviation": written(model.model.deviation, unit, kind),
             "chi_square": f"{model.chi_square:.3g} of {fit.times} cluster times",
+            "akaike_gain": f"{fit.comparison.gain:.3g} (decides above {DECIDES:g})",
         }
-    if result.bias is not None:
-        details["bias_tracking"] = _bias_details(element, result.bias)
-    return details
+    if alike is not None and fit.gauss_markov is None and fit["K"].seen:
+        found["random_walk_or"] = f"Gauss-Markov bias with a correlation time above {alike:.3g} s"
+    return found
 
 
 def _interval(coefficient: Coefficient, unit: str, kind: str) -> str:

@@ -6,6 +6,8 @@ import numpy as np
 
 from mcsim.characterisation.analysis import ChannelResult, Characterisation
 from mcsim.characterisation.coefficients import Coefficient
+from mcsim.characterisation.fit import NoiseFit
+from mcsim.characterisation.problem import TERMS
 from mcsim.characterisation.sensor_file import DENSITY, KEYS
 from mcsim.logs.model import ACCELEROMETER
 from mcsim.units import KINDS, density_from_random_walk, in_unit
@@ -33,7 +35,10 @@ _WORDS = {
     "bandwidth": "Short clusters of {} do not follow the model: left out of the fit.",
     "spectrum": "The spectrum of {} is not flat up to 2/5 of the rate: a filter, or aliasing.",
     "bias": "The bias of {} has no correlation time of its own: the longer the log, the longer.",
-    "process": "A Gauss-Markov bias explains {} better than bias instability: sensor.yaml has it.",
+    "process": "A Gauss-Markov bias explains {} better than bias instability and random walk: "
+    "sensor.yaml has it.",
+    "undecided": "Undecided on {}: a Gauss-Markov bias explains the curve as well as bias "
+    "instability and random walk, which sensor.yaml has; a longer log would tell.",
     "misfit": "The model misses the curve of {} by more than 10 %.",
 }
 
@@ -49,13 +54,24 @@ def verdict(found: Characterisation) -> list[str]:
     return sentences
 
 
-def number(coefficient: Coefficient, element: str, term: str) -> str:
+def number(fit: NoiseFit, element: str, term: str) -> str:
     """Value and uncertainty in the sensor block's unit: ``0.0833 m/s/√h ± 0.4 %``."""
     _, kind, unit = KEYS[element][term]
+    if fit.gauss_markov is not None and _is_replaced(fit, term):
+        beside = fit.gauss_markov.coefficient(TERMS.index(term))
+        if not beside:
+            return "Gauss-Markov"
+        return f"{in_unit(beside, unit, KINDS[kind]):.3g} {unit} beside Gauss-Markov"
+    coefficient = fit[term]
     if not coefficient.seen:
         return f"not seen (below {in_unit(coefficient.high, unit, KINDS[kind]):.3g} {unit})"
     value = f"{in_unit(coefficient.value, unit, KINDS[kind]):.3g} {unit}"
     return f"{value} ± {_per_cent(half_width(coefficient))}"
+
+
+def _is_replaced(fit: NoiseFit, term: str) -> bool:
+    """Whether a Gauss-Markov bias stands for this term."""
+    return fit.gauss_markov is not None and term != "N"
 
 
 def half_width(coefficient: Coefficient) -> float:
@@ -74,10 +90,13 @@ def noise_density(result: ChannelResult) -> str:
     return f"{in_unit(density, unit, KINDS[kind]):.3g} {unit}"
 
 
-def _element(element: str, results: list[ChannelResult]) -> str:
-    """How well each term of an element is known, over its axes."""
+def _element(element: str, every: list[ChannelResult]) -> str:
+    """How well each term of an element is known, over the axes that are described by it."""
     parts = []
     for term, name in NAMES[element].items():
+        results = [r for r in every if not _is_replaced(r.fit, term)]
+        if not results:
+            continue
         unseen = [r.channel.axis for r in results if not r.fit[term].seen]
         widths = [half_width(r.fit[term]) for r in results if r.fit[term].seen]
         if len(unseen) == len(results):
@@ -96,11 +115,13 @@ def _log_sentences(found: Characterisation) -> list[str]:
     sentences = [_line_sentence(found)]
     groups = {kind: [f.channel for f in found.findings if f.kind == kind] for kind in _WORDS}
     results = found.channels
-    groups["process"] = [r.channel.name for r in results if r.fit.prefers_gauss_markov]
+    groups["process"] = [r.channel.name for r in results if r.fit.gauss_markov]
+    groups["undecided"] = [r.channel.name for r in results if r.fit.comparison.is_undecided]
     groups["misfit"] = [r.channel.name for r in results if misfit(r) > _WELL]
     sentences += [
         words.format(_listed(found, groups[kind])) for kind, words in _WORDS.items() if groups[kind]
     ]
+    sentences.append(_walk_sentence(found))
     if found.log.duration < _SHORT:
         sentences.append("The log is short: bias instability and random walk need hours.")
     told = [f"{f.text[0].upper()}{f.text[1:]}." for f in found.findings if f.kind == "log"]
@@ -124,6 +145,22 @@ def _line_sentence(found: Characterisation) -> str:
     return (
         f"Spectral lines in {_listed(found, channels)}, the strongest at {raised} "
         f"{strongest.raises - 1.0:.0%}; N, B and K are fitted without them."
+    )
+
+
+def _walk_sentence(found: Characterisation) -> str:
+    """From which correlation time on a Gauss-Markov bias passes for the random walks found."""
+    alike = {
+        result.channel.name: result.fit.comparison.shortest_alike
+        for result in found.channels
+        if result.fit["K"].seen and not _is_replaced(result.fit, "K")
+    }
+    times = [time for time in alike.values() if time is not None]
+    if not times:
+        return ""
+    return (
+        f"Random walk of {_listed(found, list(alike))}: a Gauss-Markov bias with a correlation "
+        f"time above {float(f'{max(times):.2g}'):g} s would look the same in this log."
     )
 
 

@@ -16,9 +16,9 @@ deviation of its bias: an estimate of zero would do better."""
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
 def bias_tracking(seed: int) -> None:
     """Tracking a sensor's bias (Table 5.8), printed, in closed form, and simulated."""
-    from mcsim.characterisation.bias_table import AVERAGE, tracked_biases
     from mcsim.cli.progress import announce_compilation
     from mcsim.cli.tables import columns
+    from mcsim.vibration.bias_table import AVERAGE, tracked_biases
 
     announce_compilation()
     rows = [["sensor", "Tc [s]", "σ", "printed", "exact", "simulated", "from average"]]

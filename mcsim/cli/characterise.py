@@ -12,6 +12,7 @@ from mcsim.errors import InputError
 
 if TYPE_CHECKING:
     from mcsim.characterisation.analysis import Characterisation, Settings
+    from mcsim.characterisation.fit import Intervals
     from mcsim.logs.parameters import Parameters
 
 _ENDINGS = (".gz", ".xz", ".bz2", ".csv", ".txt", ".yaml", ".yml", ".bag", ".mcap", ".db3")
@@ -41,6 +42,13 @@ _ENDINGS = (".gz", ".xz", ".bz2", ".csv", ".txt", ".yaml", ".yml", ".bag", ".mca
 @click.option("--non-overlapping", is_flag=True, help="Report non-overlapping Allan deviations.")
 @click.option("--confidence", default="95 %", show_default=True, help="Of all intervals.")
 @click.option(
+    "--intervals",
+    type=click.Choice(["bootstrap", "covariance"]),
+    default="bootstrap",
+    show_default=True,
+    help="Of N, B and K: from blocks of the log, or from the noise that was fitted.",
+)
+@click.option(
     "--noise-convention",
     type=click.Choice(["continuous", "discrete"]),
     help="imu_utils: *_n is Allan's N, or N √rate.",
@@ -67,6 +75,7 @@ def characterise(
     fit_range: tuple[float, float] | None,
     non_overlapping: bool,
     confidence: str,
+    intervals: Intervals,
     noise_convention: Any,
     walk_convention: Any,
     output: Path | None,
@@ -96,7 +105,7 @@ def characterise(
     from mcsim.cli.progress import announce_compilation
     from mcsim.logs import ReadOptions, read_log
 
-    settings = _settings(fit_range, non_overlapping, confidence)
+    settings = _settings(fit_range, non_overlapping, confidence, intervals)
     if not quiet:
         announce_compilation()
     step = _silent if quiet else _say
@@ -111,21 +120,32 @@ def characterise(
 
 
 def _settings(
-    fit_range: tuple[float, float] | None, non_overlapping: bool, confidence: str
+    fit_range: tuple[float, float] | None,
+    non_overlapping: bool,
+    confidence: str,
+    intervals: Intervals,
 ) -> Settings:
     from scipy.special import ndtr
 
     from mcsim.characterisation.analysis import Settings
+    from mcsim.characterisation.bootstrap import largest_confidence
     from mcsim.units import parse_confidence
 
     if fit_range is not None and not 0.0 < fit_range[0] < fit_range[1]:
         raise InputError(
             f"--fit-range {fit_range[0]:g} {fit_range[1]:g}: two ascending times in s are needed"
         )
+    probability = float(2.0 * ndtr(parse_confidence(confidence)) - 1.0)
+    if intervals == "bootstrap" and probability > largest_confidence():
+        raise InputError(
+            f"--confidence {confidence}: a bootstrap knows intervals of up to "
+            f"{100 * largest_confidence():g} %; give --intervals covariance"
+        )
     return Settings(
         estimator="non-overlapping" if non_overlapping else "overlapping",
         fit_range=fit_range,
-        confidence=float(2.0 * ndtr(parse_confidence(confidence)) - 1.0),
+        confidence=probability,
+        intervals=intervals,
     )
 
 
@@ -190,7 +210,7 @@ def _summary(result: Characterisation) -> str:
     for channel in result.channels:
         element = channel.channel.element
         kind, unit = SAMPLE[element]
-        n, b, k = (number(channel.fit[term], element, term) for term in KEYS[element])
+        n, b, k = (number(channel.fit, element, term) for term in KEYS[element])
         bias = ["–"] * 4
         if channel.bias is not None:
             bias = [f"{channel.bias.model.correlation_time:.3g} s"] + [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,9 +16,24 @@ if TYPE_CHECKING:
 _READABLE = ("mcsim", "kalibr", "matlab", "gnss-ins-sim", "kf-gins", "imu_utils")
 _WRITABLE = ("mcsim", "datasheet", "allan", "kalibr", "matlab", "gnss-ins-sim", "kf-gins")
 _LARGEST_FILE = 1 << 20
+_NEGATIVE = re.compile(r"-\.?\d")
 
 
-@click.command()
+class _Command(click.Command):
+    """A command whose argument may be a negative number: refused as such, not as an option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        last = ""
+        for place, text in enumerate(args):
+            # Every option of this command takes a value.
+            if _NEGATIVE.match(text) and not last.startswith("--"):
+                args = [*args[:place], *args[place + 1 :], "--", text]
+                break
+            last = text
+        return super().parse_args(ctx, args)
+
+
+@click.command(cls=_Command)
 @click.argument("given", metavar="QUANTITY|FILE|SENSOR")
 @click.option("--from", "source", type=click.Choice(_READABLE), help="Recognised if absent.")
 @click.option("--to", "target", type=click.Choice(_WRITABLE), help="All of them if absent.")
@@ -44,9 +60,9 @@ def convert(
 ) -> None:
     """Convert noise figures between data sheets, Allan's N, B, K and other tools.
 
-    A quantity ("0.2 °/√h") is shown in all units and dialects. A file (mcsim sensor file,
-    Kalibr imu.yaml, MATLAB code, gnss-ins-sim, KF-GINS, imu_utils) or a built-in sensor is
-    written in the dialect asked for, to standard output.
+    A quantity ("0.2 °/√h") is shown in all units and dialects, or in the one asked for. A file
+    (mcsim sensor file, Kalibr imu.yaml, MATLAB code, gnss-ins-sim, KF-GINS, imu_utils) or a
+    built-in sensor is written in the dialect asked for, to standard output.
     """
     from mcsim.dialects import Assumptions
     from mcsim.units import KINDS, parse
@@ -58,7 +74,7 @@ def convert(
         raise InputError("name a file, a sensor or a quantity such as '0.2 °/√h'")
     assumptions = Assumptions(_answers(assume), hertz, axis)
     if not _is_file(given) and _begins_with_number(given):
-        click.echo(_quantity(given, role, hertz))
+        click.echo(_quantity(given, role, hertz, target))
         return
     sensor = _sensor(given, source, assumptions)
     click.echo(_written(sensor, target, assumptions), nl=False)
@@ -85,11 +101,13 @@ def _answers(assume: tuple[str, ...]) -> dict[str, str]:
     return answers
 
 
-def _quantity(given: str, role: str | None, rate: float | None) -> str:
+def _quantity(given: str, role: str | None, rate: float | None, target: str | None) -> str:
     from mcsim.cli.tables import columns
     from mcsim.dialects.quantity import convert_quantity
 
     conversion = convert_quantity(given, role, rate)
+    if target is not None:
+        conversion = conversion.only(target)
     rows = [[f"  {row.what}", row.values, row.remark] for row in conversion.rows]
     return "\n".join([conversion.meaning, *columns(rows)])
 

@@ -15,8 +15,8 @@ from mcsim.errors import InputError
 if TYPE_CHECKING:
     import pandas as pd
 
-    from mcsim.logs.csv_log import Log
     from mcsim.vibration.analysis import Analysis, Engine
+    from mcsim.vibration.log import Log
     from mcsim.vibration.scenario import Chain, VibrationScenario
 
 _SCENARIO_ENDINGS = (".yaml", ".yml")
@@ -80,12 +80,12 @@ def vibration(
 
         log = simulate(scenario, given.stem, _progress(given.stem, quiet))
     else:
-        from mcsim.logs.csv_log import read_csv_log
+        from mcsim.vibration.log import read_vibration_log
 
         if sensor is not None:
             raise InputError("--sensor belongs to a scenario; a log has its own sensor")
         hertz = parse(rate, KINDS["frequency"]) if rate is not None else None
-        log = read_csv_log(given, unit=unit, rate=hertz, channels=channels, time=stamps)
+        log = read_vibration_log(given, unit=unit, rate=hertz, channels=channels, time=stamps)
     if not quiet and log.samples.size > _MANY:
         _tell(f"{log.name}: analysing {log.samples.size:,} values")
     analysis = analyse(log, chain, engine)

@@ -53,19 +53,20 @@ _BIAS_WALK_UNITS = {
     "gyroscope": ("°/h^1.5", "°/s/√s", "rad/s/√s"),
 }
 _TOOLS = (
-    ("Kalibr", kalibr.TERMS),
-    ("gnss-ins-sim", gnss_ins_sim.TERMS),
-    ("KF-GINS", kf_gins.TERMS),
+    ("Kalibr", "kalibr", kalibr.TERMS),
+    ("gnss-ins-sim", "gnss-ins-sim", gnss_ins_sim.TERMS),
+    ("KF-GINS", "kf-gins", kf_gins.TERMS),
 )
 
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the answer: what, its values, and the convention behind them."""
+    """A line of the answer: what, its values, the convention behind them, whose dialects."""
 
     what: str
     values: str
     remark: str = ""
+    dialects: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,22 @@ class Conversion:
 
     meaning: str
     rows: tuple[Row, ...]
+
+    def only(self, dialect: str) -> Conversion:
+        """What one dialect holds of it.
+
+        Raises
+        ------
+        InputError
+            The dialect has no place for the figure.
+        """
+        rows = tuple(row for row in self.rows if dialect in row.dialects)
+        if not rows:
+            others = dict.fromkeys(name for row in self.rows for name in row.dialects)
+            raise InputError(
+                f"{self.meaning}: {dialect} has no place for it; {', '.join(others)} have"
+            )
+        return Conversion(self.meaning, rows)
 
 
 def convert_quantity(text: str, role: str | None = None, rate: float | None = None) -> Conversion:
@@ -140,18 +157,34 @@ def _white(text: str, element: str, key: str, rate: float | None) -> Conversion:
         RANDOM_WALK[element]: "Allan's N, a two-sided density",
     }
     rows = [
-        Row("noise density", _in(density, element, "noise_density", _DENSITY_UNITS), "one-sided"),
+        Row(
+            "noise density",
+            _in(density, element, "noise_density", _DENSITY_UNITS),
+            "one-sided",
+            ("mcsim", "datasheet"),
+        ),
         Row(
             f"{RANDOM_WALK[element].replace('_', ' ')} N",
             _in(walk, element, RANDOM_WALK[element], _WALK_UNITS),
             "two-sided, N = ND / √2",
+            ("mcsim", "allan"),
         ),
         *_tools(element, {RANDOM_WALK[element]: walk}),
     ]
     function = "accelparams" if element == "accelerometer" else "gyroparams"
     rows += [
-        Row(f"MATLAB {function}", f"NoiseDensity {_show(walk)}", "NoiseType single-sided"),
-        Row(f"MATLAB {function}", f"NoiseDensity {_show(density)}", "NoiseType double-sided"),
+        Row(
+            f"MATLAB {function}",
+            f"NoiseDensity {_show(walk)}",
+            "NoiseType single-sided",
+            ("matlab",),
+        ),
+        Row(
+            f"MATLAB {function}",
+            f"NoiseDensity {_show(density)}",
+            "NoiseType double-sided",
+            ("matlab",),
+        ),
     ]
     if rate is not None:
         deviation = sample_deviation(density, rate)
@@ -169,7 +202,12 @@ def _single(
 ) -> Conversion:
     if key in BIAS_ROLES:
         rows = [
-            Row("bias instability B", _in(value, element, "bias_instability", units), "flicker"),
+            Row(
+                "bias instability B",
+                _in(value, element, "bias_instability", units),
+                "flicker",
+                ("mcsim", "datasheet", "allan"),
+            ),
             Row(
                 "least Allan deviation",
                 _in(value * FLOOR, element, "bias_instability", units),
@@ -181,25 +219,34 @@ def _single(
         meaning = what[key]
     else:
         name = key.replace("_", " ")
-        rows = [Row(f"{name} K", _in(value, element, key, units), "Allan variance K² τ / 3")]
+        rows = [
+            Row(
+                f"{name} K",
+                _in(value, element, key, units),
+                "Allan variance K² τ / 3",
+                ("mcsim", "datasheet", "allan"),
+            )
+        ]
         held = {key: value}
         meaning = f"Allan's K, {name}"
     rows += _tools(element, held)
     function = "accelparams" if element == "accelerometer" else "gyroparams"
     name = "BiasInstability" if key in BIAS_ROLES else "RandomWalk"
-    rows.append(Row(f"MATLAB {function}", f"{name} {_show(value)}", "NoiseType single-sided"))
+    rows.append(
+        Row(f"MATLAB {function}", f"{name} {_show(value)}", "NoiseType single-sided", ("matlab",))
+    )
     return Conversion(f"{text}: {meaning}", tuple(rows))
 
 
 def _tools(element: str, held: Mapping[str, float]) -> list[Row]:
-    def rows_of(tool: str, terms: tuple[Term, ...]) -> list[Row]:
+    def rows_of(tool: str, name: str, terms: tuple[Term, ...]) -> list[Row]:
         return [
-            Row(tool, f"{term.name} {_show(held[term.key] / term.si)}", _remark(term))
+            Row(tool, f"{term.name} {_show(held[term.key] / term.si)}", _remark(term), (name,))
             for term in terms
             if term.element == element and term.key in held
         ]
 
-    return [row for tool, terms in _TOOLS for row in rows_of(tool, terms)]
+    return [row for tool, name, terms in _TOOLS for row in rows_of(tool, name, terms)]
 
 
 def _remark(term: Term) -> str:

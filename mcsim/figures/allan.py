@@ -106,11 +106,16 @@ def _draw_curve(result: ChannelResult, axes: Axes) -> None:
         ("B", B, "B: level 0.664 B"),
         ("K", K, "K: slope +1/2"),
     ):
-        if fit[term].seen:
-            line = np.sqrt(allan_terms(tau)[:, index] * fit.squares[index]) * one
+        squares = fit.model_squares
+        if fit[term].seen if fit.gauss_markov is None else squares[index] > 0.0:
+            line = np.sqrt(allan_terms(tau)[:, index] * squares[index]) * one
             colour, style = _TERM_LOOKS[term]
             line = np.where(line > bottom, line, np.nan)
             axes.plot(tau, line, linestyle=style, color=colour, lw=1.0, label=label)
+    if fit.gauss_markov is not None:
+        line = np.sqrt(fit.gauss_markov.model.allan_variance(tau)) * one
+        line = np.where(line > bottom, line, np.nan)
+        axes.plot(tau, line, linestyle="--", color=_OTHER, lw=1.0, label="Gauss-Markov bias")
     log_scale(axes, "x", tau.tolist())
     axes.set_yscale("log")
     log_scale(axes, "y", [bottom, 2.0 * float(np.max(result.high)) * one])
@@ -121,8 +126,17 @@ def _draw_curve(result: ChannelResult, axes: Axes) -> None:
 
 def _numbers(result: ChannelResult, axes: Axes) -> None:
     element, fit = result.channel.element, result.fit
-    lines = [f"{term} {number(fit[term], element, term)}" for term in ("N", "B", "K")]
+    process = fit.gauss_markov
+    slow = [t for t in ("B", "K") if process is None or process.coefficient(TERMS.index(t))]
+    lines = [f"{term} {number(fit, element, term)}" for term in ("N", *slow)]
     lines.insert(1, f"   = {noise_density(result)} one-sided")
+    if process is not None:
+        convert, unit = _scale(result)
+        model = process.model
+        lines.append(
+            f"Gauss-Markov bias: {convert(model.deviation):.3g} {unit}, "
+            f"Tc {model.correlation_time:.3g} s"
+        )
     extra = [t for t in TERMS if t in fit.coefficients and t not in "NBK"]
     if extra:
         lines.append(f"with {' and '.join(extra)} in the model")
@@ -134,12 +148,14 @@ def _draw_spectrum(result: ChannelResult, axes: Axes) -> None:
     one = convert(1.0)
     frequency, density, _ = binned(result.inspection.spectrum, 60)
     axes.plot(frequency, np.sqrt(density) * one, color=_DATA, lw=0.9, label="density")
-    squares = result.fit.squares
+    squares, process = result.fit.model_squares, result.fit.gauss_markov
     model = 2.0 * (
         squares[N]
         + squares[B] / (2.0 * np.pi * frequency)
         + squares[K] / (2 * np.pi * frequency) ** 2
     )
+    if process is not None:
+        model += 2.0 * process.model.density(frequency)
     axes.plot(
         frequency, np.sqrt(model) * one, color="black", lw=0.9, label="model of the Allan fit"
     )

@@ -22,34 +22,50 @@ _FARTHEST = 1024.0
 
 
 @kernel
-def allan_variances(
-    phase: Array, factors: NDArray[np.int64], overlapping: bool, variances: Array
+def squares_of_stretches(
+    phase: Array, factors: NDArray[np.int64], edges: NDArray[np.int64], squares: Array
 ) -> None:
-    """Eq. (3.11): half the mean square of second differences over clusters of n samples.
+    """Sums of half the squared second differences of Eq. (3.11), stretch by stretch.
 
     Parameters
     ----------
     phase : float64 (samples + 1,)
         Running sum of the samples, beginning with 0.
     factors : int64 (k,)
-        Samples per cluster, at most half of the samples.
-    overlapping : bool
-        Every start of a cluster, or every n-th only.
-    variances : float64 (k,), written
-        In the samples' unit, squared.
+        Samples per cluster, at most half of the samples; clusters begin at every sample.
+    edges : int64 (s + 1,)
+        Ends of the stretches in ``phase``; a difference belongs to the stretch of its middle.
+    squares : float64 (k, s), written
+        In the samples' unit, squared; summed up and divided by their number they are the
+        Allan variance.
+    """
+    samples = phase.shape[0] - 1
+    # Stretch by stretch, so that the phases of short clusters stay in the processor's cache.
+    for s in range(edges.shape[0] - 1):
+        for j in range(factors.shape[0]):
+            n = factors[j]
+            low = max(0, edges[s] - n)
+            high = max(low, min(samples - 2 * n + 1, edges[s + 1] - n))
+            total = _squares(
+                phase[low:high], phase[low + n : high + n], phase[low + 2 * n : high + 2 * n]
+            )
+            squares[j, s] = total / (2.0 * float(n) * float(n))
+
+
+@kernel
+def separate_variances(phase: Array, factors: NDArray[np.int64], variances: Array) -> None:
+    """Eq. (3.11) with clusters that begin where the last one ended.
+
+    ``phase`` and ``factors`` as above, ``variances`` (k,) in the samples' unit squared, written.
     """
     samples = phase.shape[0] - 1
     for j in range(factors.shape[0]):
         n = factors[j]
-        if overlapping:
-            count = samples - 2 * n + 1
-            total = _squares(phase[:count], phase[n : n + count], phase[2 * n : 2 * n + count])
-        else:
-            count = samples // n - 1
-            total = 0.0
-            for i in range(count):
-                d = phase[(i + 2) * n] - 2.0 * phase[(i + 1) * n] + phase[i * n]
-                total += d * d
+        count = samples // n - 1
+        total = 0.0
+        for i in range(count):
+            d = phase[(i + 2) * n] - 2.0 * phase[(i + 1) * n] + phase[i * n]
+            total += d * d
         variances[j] = total / (2.0 * float(n) * float(n) * count)
 
 

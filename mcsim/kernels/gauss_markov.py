@@ -1,4 +1,4 @@
-"""A first-order Gauss-Markov bias in white noise: the process and the filter that tracks it."""
+"""The filter that tracks a first-order Gauss-Markov bias in white noise."""
 
 from __future__ import annotations
 
@@ -8,20 +8,6 @@ from numpy.typing import NDArray
 from mcsim.kernels.compilation import kernel
 
 Array = NDArray[np.float64]
-
-
-@kernel
-def gauss_markov(normals: Array, decay: float, deviation: float, process: Array) -> None:
-    """Eq. (3.27): x_k = decay x_(k-1) + w_k, stationary from the first sample on.
-
-    ``normals`` (n,) of variance 1, ``decay`` e^(-dt/Tc), ``process`` (n,), written.
-    """
-    drive = deviation * np.sqrt(1.0 - decay * decay)
-    x = deviation * normals[0]
-    process[0] = x
-    for k in range(1, normals.shape[0]):
-        x = decay * x + drive * normals[k]
-        process[k] = x
 
 
 @kernel

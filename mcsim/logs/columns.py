@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mcsim.errors import InputError, UnitError
+from mcsim.logs.csv_file import Title
 from mcsim.logs.model import ACCELEROMETER, AXES, GYROSCOPE, KIND, SHORT
 from mcsim.units import KINDS, factor
 
@@ -17,7 +18,6 @@ _KIND_OF = {TIME: "time", **KIND}
 _EXAMPLES = {TIME: "s", ACCELEROMETER: "m/s^2", GYROSCOPE: "deg/s"}
 _SKIPPED = "-"
 
-_WITH_UNIT = re.compile(r"(?P<name>[^\[(]*)[\[(](?P<unit>[^\])]*(?:\([^)]*\))?[^\])]*)[\])]\s*")
 _TIME_NAME = re.compile(
     r"(time|timestamp|stamp|times|t|sec|secs|seconds|millis)(_.*)?|.*_timestamp"
 )
@@ -44,7 +44,7 @@ class Column:
 
 
 def assign(
-    titles: Sequence[str] | None, count: int, columns: str | None, units: str | None, where: str
+    titles: Sequence[Title] | None, count: int, columns: str | None, units: str | None, where: str
 ) -> list[Column]:
     """The columns that matter, of a table with ``count`` columns and perhaps a header.
 
@@ -57,16 +57,15 @@ def assign(
     InputError
         Nothing is recognised, something occurs twice, or a unit is missing or wrong.
     """
-    parts = [_split_title(title) for title in titles or [""] * count]
-    names = _names(titles, parts, count, columns, where)
+    names = _names(titles, count, columns, where)
     given = _given_units(units, count, names, where)
     found: dict[str, Column] = {}
     for place, name in names.items():
         if name in found:
             raise InputError(f"{where}: two columns are {name}; name one by --columns")
         kind = TIME if name == TIME else CHANNELS[name][0]
-        unit = given.get(place) or parts[place][1]
-        title = titles[place] if titles else f"column {place + 1}"
+        unit = given.get(place) or (titles[place].unit if titles else "")
+        title = titles[place].text if titles else f"column {place + 1}"
         if not unit:
             raise InputError(
                 f'{where}: "{title}" ({name}) has no unit; write it in the header, '
@@ -78,7 +77,7 @@ def assign(
             raise InputError(f'{where}: column "{title}": {error}') from None
         found[name] = Column(place, title, name, scale, unit)
     if not set(found) - {TIME}:
-        held = ", ".join(f'"{title}"' for title in titles) if titles else f"{count} columns"
+        held = ", ".join(f'"{title.text}"' for title in titles) if titles else f"{count} columns"
         raise InputError(
             f"{where}: no accelerometer or gyroscope column is recognised ({held}); "
             f"name them, for example --columns time,{','.join(CHANNELS)} "
@@ -100,14 +99,8 @@ def channel_of(title: str) -> str | None:
     return f"{SHORT[GYROSCOPE]}_{_TURN_NAMES[turn[1]]}" if turn else None
 
 
-def _split_title(title: str) -> tuple[str, str]:
-    match = _WITH_UNIT.fullmatch(title)
-    return (match["name"].strip(), match["unit"].strip()) if match else (title.strip(), "")
-
-
 def _names(
-    titles: Sequence[str] | None,
-    parts: Sequence[tuple[str, str]],
+    titles: Sequence[Title] | None,
     count: int,
     columns: str | None,
     where: str,
@@ -118,11 +111,11 @@ def _names(
                 f"{where}: has no header; name its {count} columns in order, for example "
                 "--columns time,accel_x,accel_y,accel_z (- skips a column), and give --units"
             )
-        named = {place: channel_of(name) for place, (name, _) in enumerate(parts)}
+        named = {place: channel_of(title.name) for place, title in enumerate(titles)}
         return {place: name for place, name in named.items() if name is not None}
     words = [word.strip() for word in columns.split(",")]
     if "=" in columns:
-        return _by_title(words, titles, parts, where)
+        return _by_title(words, titles, where)
     if len(words) != count:
         raise InputError(
             f"{where}: has {count} columns, --columns names {len(words)} (- skips a column)"
@@ -132,20 +125,16 @@ def _names(
     }
 
 
-def _by_title(
-    words: Sequence[str],
-    titles: Sequence[str] | None,
-    parts: Sequence[tuple[str, str]],
-    where: str,
-) -> dict[int, str]:
+def _by_title(words: Sequence[str], titles: Sequence[Title] | None, where: str) -> dict[int, str]:
     if titles is None:
         raise InputError(f"{where}: has no header; --columns must name all columns in order")
     names = {}
     for word in words:
         name, _, title = (part.strip() for part in word.partition("="))
-        places = [i for i, whole in enumerate(titles) if title in (whole.strip(), parts[i][0])]
+        places = [i for i, held in enumerate(titles) if title in (held.text, held.name)]
         if not places:
-            raise InputError(f'{where}: no column "{title}" (columns: {", ".join(titles)})')
+            held = ", ".join(title.text for title in titles)
+            raise InputError(f'{where}: no column "{title}" (columns: {held})')
         names[places[0]] = _known(name, where)
     return names
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from mcsim.errors import InputError
 from mcsim.logs.columns import TIME
 from mcsim.logs.model import Array
-from mcsim.logs.table import Table, read_table
+from mcsim.logs.table import Table, read_table, read_time
 
 #: Where EuRoC and TUM-VI keep the samples, from any folder on the way.
 _EUROC = ("data.csv", "imu0/data.csv", "mav0/imu0/data.csv")
@@ -54,7 +54,7 @@ def _read_gnss_ins_sim(
         stated |= table.units
     time = _first(folder, ("time.csv",))
     if time is not None:
-        values[TIME] = _read_time(time)
+        values[TIME] = read_time(time)
     lengths = {len(column) for column in values.values()}
     if len(lengths) > 1:
         raise InputError(
@@ -65,23 +65,6 @@ def _read_gnss_ins_sim(
     if runs > 1:
         notes.append(f"the first of {runs} runs is used")
     return Table(values, tuple(notes), stated)
-
-
-def _read_time(path: Path) -> Array:
-    # A table of time alone is refused by the reader; the title is known here.
-    import pandas as pd
-
-    from mcsim.units import KINDS, factor
-
-    try:
-        table = pd.read_csv(path, encoding="utf-8-sig")
-    except (OSError, ValueError, EOFError) as error:
-        raise InputError(f"{path}: cannot be read ({error})") from None
-    unit = str(table.columns[0]).rpartition("(")[2].strip(") ") or "s"
-    numbers = pd.to_numeric(table.iloc[:, 0], errors="coerce").to_numpy(float)
-    if not len(numbers) or numbers[~(abs(numbers) < 1e15)].size:
-        raise InputError(f"{path}: holds something that is no time")
-    return (numbers - numbers[0]) * factor(unit, KINDS["time"])
 
 
 def _first(folder: Path, names: tuple[str, ...]) -> Path | None:

@@ -53,7 +53,7 @@ class Timing:
     """What the time stamps say; without stamps the stated rate alone.
 
     ``rate`` in Hz; ``jitter`` is the standard deviation of the intervals as a part of
-    their mean; ``notes`` are sentences for the reader.
+    their mean; ``notes`` are sentences for the reader, ``doubt`` one about the rate.
     """
 
     rate: float
@@ -62,6 +62,7 @@ class Timing:
     missing: int = 0
     jitter: float = 0.0
     notes: tuple[str, ...] = ()
+    doubt: str = ""
 
 
 @dataclass(frozen=True)

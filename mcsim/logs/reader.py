@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from mcsim.errors import InputError
 from mcsim.logs import bags
 from mcsim.logs.checks import check_gravity
 from mcsim.logs.columns import CHANNELS, TIME
 from mcsim.logs.folders import is_bag, read_folder
-from mcsim.logs.model import ACCELEROMETER, Array, Channel, Log, ReadOptions, Timing
+from mcsim.logs.model import ACCELEROMETER, KIND, Array, Channel, Log, ReadOptions, Timing
 from mcsim.logs.table import Table, read_table
-from mcsim.logs.timing import check_stamps, unstamped
-
-_LOWEST_RATE, _HIGHEST_RATE = 0.05, 100_000.0
+from mcsim.logs.timing import HIGHEST_RATE, LOWEST_RATE, check_stamps, unstamped
+from mcsim.units import KINDS
 
 
 def read_log(path: Path, options: ReadOptions | None = None) -> Log:
@@ -27,9 +28,10 @@ def read_log(path: Path, options: ReadOptions | None = None) -> Log:
     options = options or ReadOptions()
     if not path.exists():
         raise InputError(f"{path}: no such file")
-    if options.rate is not None and not _LOWEST_RATE <= options.rate <= _HIGHEST_RATE:
+    if options.rate is not None and not LOWEST_RATE <= options.rate <= HIGHEST_RATE:
         raise InputError(
-            f"--rate {options.rate:g} Hz: must lie between {_LOWEST_RATE} Hz and {_HIGHEST_RATE} Hz"
+            f"--rate {options.rate:g} Hz: must lie between {LOWEST_RATE:g} Hz and "
+            f"{HIGHEST_RATE:g} Hz"
         )
     return _log_of(path, _read(path, options), options)
 
@@ -56,11 +58,22 @@ def _log_of(path: Path, table: Table, options: ReadOptions) -> Log:
     channels = []
     for name, (element, axis) in CHANNELS.items():
         if name in values:
+            _refuse_beyond_use(values[name], element, name, where)
             samples = _cut(spacing.apply(values[name]), spacing.timing, options, where)
             channels.append(Channel(element, axis, samples))
     gravity = check_gravity(channels, *table.units.get(ACCELEROMETER, ("m/s²", 1.0)), where)
     notes = [*spacing.timing.notes, *([gravity] if gravity else [])]
     return Log(path, tuple(channels), spacing.timing, tuple(notes), table.notes)
+
+
+def _refuse_beyond_use(samples: Array, element: str, name: str, where: str) -> None:
+    kind = KINDS[KIND[element]]
+    largest = float(np.max(np.abs(samples)))
+    if largest > kind.largest:
+        raise InputError(
+            f"{where}: {name} reaches {largest:.3g} {kind.si_unit}, beyond any sensor; is its unit "
+            "right?"
+        )
 
 
 def _cut(samples: Array, timing: Timing, options: ReadOptions, where: str) -> Array:

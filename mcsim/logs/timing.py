@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mcsim.errors import InputError
 from mcsim.logs.model import Array, Timing
 
+_FEWEST = 3
 #: An interval this many times the usual one is a gap.
 _GAP = 1.75
 #: Gaps are bridged when they miss fewer samples than this part of the log.
@@ -20,8 +21,9 @@ _UNBROKEN = 0.5
 _REPEATED = 0.05
 #: A stated rate may differ from the stamps by this part.
 _RATE_TOLERANCE = 0.02
-#: Rates beyond are those of a wrong time unit (Hz).
-_LOWEST_RATE, _HIGHEST_RATE = 0.05, 100_000.0
+#: Rates beyond are those of a wrong unit of time (Hz), those in between may be.
+LOWEST_RATE, HIGHEST_RATE = 0.01, 90_000.0
+_LOWEST_USUAL, _HIGHEST_USUAL = 1.5, 20_000.0
 #: Jitter above this part of the interval is worth a note.
 _JITTER = 0.1
 
@@ -60,6 +62,11 @@ def check_stamps(stamps: Array, stated_rate: float | None, where: str) -> Spacin
     InputError
         Stamps run backwards, are too coarse, miss too much, or contradict the stated rate.
     """
+    if len(stamps) < _FEWEST:
+        raise InputError(
+            f"{where}: {len(stamps)} row{'s' * (len(stamps) != 1)}: too few for a rate; a static "
+            "log of minutes, better hours, is needed"
+        )
     steps = np.diff(stamps)
     if np.any(steps < 0.0):
         row = int(np.argmax(steps < 0.0))
@@ -92,7 +99,7 @@ def check_stamps(stamps: Array, stated_rate: float | None, where: str) -> Spacin
     gaps = np.flatnonzero(steps > _GAP * step)
     counts = np.maximum(np.round(steps / step), 1.0).astype(np.int64)
     missing = int(np.sum(counts[gaps] - 1))
-    timing = Timing(rate, True, duplicates, missing, jitter)
+    timing = Timing(rate, True, duplicates, missing, jitter, doubt=_doubt(rate, stated_rate))
     return _mend(timing, rows, gaps, counts, notes, where)
 
 
@@ -128,18 +135,41 @@ def _mend(
                 f"{len(kept) / timing.rate:.6g} s from {kept[0] / timing.rate:.6g} s on"
             )
             rows = kept
-    made = Timing(timing.rate, True, timing.duplicates, timing.missing, timing.jitter, tuple(notes))
-    return Spacing(made, rows, positions)
+    doubt = [timing.doubt] if timing.doubt else []
+    return Spacing(replace(timing, notes=(*notes, *doubt)), rows, positions)
 
 
 def _check_rate(rate: float, stated: float | None, where: str) -> None:
-    if not _LOWEST_RATE <= rate <= _HIGHEST_RATE:
-        raise InputError(
-            f"{where}: the time stamps say {rate:.4g} Hz; is their unit right? "
-            "(--units time=ns states another)"
-        )
     if stated is not None and abs(rate / stated - 1.0) > _RATE_TOLERANCE:
         raise InputError(
-            f"{where}: --rate says {stated:.6g} Hz, the time stamps say {rate:.6g} Hz; "
-            "correct one (--units time=… if the unit of the stamps is wrong)"
+            f"{where}: --rate says {stated:.6g} Hz, the time stamps say {rate:.6g} Hz"
+            + (_other_unit(rate / stated) or "; correct one")
         )
+    if not LOWEST_RATE <= rate <= HIGHEST_RATE:
+        raise InputError(
+            f"{where}: the time stamps say {rate:.6g} Hz, which no inertial sensor has; is their "
+            "unit right? (--units time=s, ms, µs or ns states another than the header)"
+        )
+
+
+def _other_unit(ratio: float) -> str:
+    """A hint where the stamps say a rate that is a power of a thousand times the true one."""
+    for power in (1000.0, 1e6, 1e9):
+        for times, size in ((ratio / power, "larger"), (ratio * power, "smaller")):
+            if abs(times - 1.0) < _RATE_TOLERANCE:
+                return (
+                    f"; they agree if the unit of time is {power:.0f} times {size}: state it by "
+                    "--units time=…"
+                )
+    return ""
+
+
+def _doubt(rate: float, stated: float | None) -> str:
+    """A sentence about a rate that is possible, but hardly an inertial sensor's."""
+    if stated is not None or _LOWEST_USUAL <= rate <= _HIGHEST_USUAL:
+        return ""
+    power = "1000 times smaller" if rate < _LOWEST_USUAL else "1000 times larger"
+    return (
+        f"the time stamps say {rate:.4g} Hz, an unusual rate: if their unit is {power} than the "
+        "header says, state it by --units time=…; if not, confirm the rate by --rate"
+    )

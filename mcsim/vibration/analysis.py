@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.logs.csv_log import Log
+from mcsim.errors import InputError
+from mcsim.vibration.log import Log
 from mcsim.vibration.processing import Filters, filters
 from mcsim.vibration.scenario import Chain
 from mcsim.vibration.spectra import (
@@ -90,7 +91,18 @@ def analyse(log: Log, chain: Chain, engine: Engine | None = None) -> Analysis:
         Moving average, high-pass and low-pass.
     engine : Engine, optional
         Whose orders to look for.
+
+    Raises
+    ------
+    InputError
+        The moving average is longer than the log.
     """
+    if chain.moving_average > len(log.samples):
+        raise InputError(
+            f"{log.name}: a moving average of {chain.moving_average} samples is longer than the "
+            f"log ({len(log.samples)} samples); give a shorter one, or 0 for none "
+            "(--moving-average, `analysis.moving_average`)"
+        )
     steps = filters(chain, log.rate)
     raw: Array = log.samples - log.samples.mean(axis=0)
     filtered = steps.apply(log.samples)

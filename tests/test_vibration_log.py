@@ -1,10 +1,10 @@
-"""Reading logs from CSV files."""
+"""Reading logs of vibrations from CSV files."""
 
 import numpy as np
 import pytest
 
 from mcsim.errors import InputError
-from mcsim.logs.csv_log import read_csv_log
+from mcsim.vibration.log import read_vibration_log
 
 RATE, COUNT = 100.0, 200
 TIME = np.arange(COUNT) / RATE
@@ -23,7 +23,7 @@ def csv(tmp_path):
 
 
 def test_units_come_from_the_header(csv):
-    log = read_csv_log(
+    log = read_vibration_log(
         csv("time [ms],ax [g],gz [°/s],az (m/s^2)", 1e3 * TIME, SIGNAL, TIME, 2 * SIGNAL)
     )
     assert log.name == "log"
@@ -36,16 +36,16 @@ def test_units_come_from_the_header(csv):
 
 def test_units_and_rate_come_from_options(csv):
     path = csv("ax,ay", SIGNAL, TIME)
-    log = read_csv_log(path, unit="mg", rate=50.0, channels=("ay",))
+    log = read_vibration_log(path, unit="mg", rate=50.0, channels=("ay",))
     assert log.channels == ("ay",)
     assert log.rate == 50.0
     np.testing.assert_allclose(log.samples[:, 0], TIME * 9.80665e-3, atol=1e-12)
-    log = read_csv_log(csv("millis,ax [g]", 1e3 * TIME, SIGNAL), time="millis in ms")
+    log = read_vibration_log(csv("millis,ax [g]", 1e3 * TIME, SIGNAL), time="millis in ms")
     assert log.rate == pytest.approx(RATE)
 
 
 def test_simulated_logs_are_read_back(csv):
-    log = read_csv_log(csv("time [s],ax [m/s^2],ay [m/s^2]", TIME, SIGNAL, SIGNAL))
+    log = read_vibration_log(csv("time [s],ax [m/s^2],ay [m/s^2]", TIME, SIGNAL, SIGNAL))
     np.testing.assert_allclose(log.samples[:, 1], SIGNAL, atol=1e-11)
 
 
@@ -53,7 +53,7 @@ def test_jittery_stamps_are_evened_out(csv):
     jitter = np.random.default_rng(1).uniform(-0.2, 0.2, COUNT) / RATE
     stamps = TIME + jitter
     stamps[[0, -1]] = TIME[[0, -1]]
-    log = read_csv_log(csv("t [s],a [m/s²]", stamps, np.sin(2 * np.pi * 3.0 * stamps)))
+    log = read_vibration_log(csv("t [s],a [m/s²]", stamps, np.sin(2 * np.pi * 3.0 * stamps)))
     assert "interpolated to 100 Hz" in log.notes[0]
     # Linear interpolation over a step h errs by at most (2 pi f h)² / 8, 2 % of 0.3.
     np.testing.assert_allclose(log.samples[:, 0], SIGNAL, atol=8e-3)
@@ -63,7 +63,7 @@ def test_jittery_stamps_are_evened_out(csv):
 
 def test_logs_of_a_wandering_rate_keep_their_usual_step(csv):
     stamps = np.concatenate([TIME, TIME[-1] + np.arange(1, 41) / 20.0])
-    log = read_csv_log(csv("t,a [m/s²]", stamps, stamps))
+    log = read_vibration_log(csv("t,a [m/s²]", stamps, stamps))
     assert log.rate == pytest.approx(RATE)
     np.testing.assert_allclose(log.samples[:, 0], log.time, atol=1e-9)
 
@@ -85,7 +85,7 @@ def test_logs_of_a_wandering_rate_keep_their_usual_step(csv):
 )
 def test_bad_logs_are_explained(csv, header, columns, options, message):
     with pytest.raises(InputError) as error:
-        read_csv_log(csv(header, *columns), **options)
+        read_vibration_log(csv(header, *columns), **options)
     assert message in str(error.value)
 
 
@@ -94,10 +94,12 @@ def test_cells_that_are_no_numbers_are_found(csv, tmp_path):
     lines = path.read_text().splitlines()
     lines[6] = "0.05,oops"
     path.write_text("\n".join(lines))
-    with pytest.raises(InputError, match=r'log.csv:7: a \[g\]: "oops" is not a finite number'):
-        read_csv_log(path)
+    with pytest.raises(
+        InputError, match=r'log.csv:7: column "a \[g\]" holds "oops", where a finite'
+    ):
+        read_vibration_log(path)
     with pytest.raises(InputError, match="no such file"):
-        read_csv_log(tmp_path / "absent.csv")
+        read_vibration_log(tmp_path / "absent.csv")
     (tmp_path / "empty.csv").write_text("")
-    with pytest.raises(InputError, match="not a CSV file"):
-        read_csv_log(tmp_path / "empty.csv")
+    with pytest.raises(InputError, match="is empty"):
+        read_vibration_log(tmp_path / "empty.csv")

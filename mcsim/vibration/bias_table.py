@@ -11,6 +11,7 @@ import numpy as np
 from mcsim import catalogue
 from mcsim.characterisation.bias import kalman_rmse, smooth, track_bias
 from mcsim.characterisation.process import GaussMarkov
+from mcsim.sensors import noise_processes
 from mcsim.units import KINDS, parse
 
 #: RMSE that Table 5.8 prints for the x axis (m/s²).
@@ -59,7 +60,7 @@ def tracked_biases(seed: int = 1) -> Iterator[TrackedBias]:
         density = parse(quantities["noise_density"][0], KINDS["acceleration noise density"])
         noise = density * math.sqrt(RATE)
         rng = np.random.default_rng(seed)
-        bias = _process(model, round(DURATION * RATE), rng)
+        bias = _process(model, rng).take(round(DURATION * RATE))[:, 0]
         log = bias + noise * rng.standard_normal(len(bias))
         estimate = track_bias(log, RATE, model, noise)
         average = smooth(log, RATE, AVERAGE)
@@ -85,14 +86,10 @@ def _measured(sensor: str) -> dict[str, list[str]]:
     return found
 
 
-def _process(model: GaussMarkov, n: int, rng: np.random.Generator) -> np.ndarray:
-    """A stationary Gauss-Markov process, Eq. (3.27) to (3.29)."""
-    from scipy.signal import lfilter
-
-    step = 1.0 / (RATE * model.correlation_time)
-    driven = rng.standard_normal(n) * model.deviation * math.sqrt(-math.expm1(-2.0 * step))
-    driven[0] = model.deviation * rng.standard_normal()
-    return np.asarray(lfilter([1.0], [1.0, -math.exp(-step)], driven), float)
+def _process(model: GaussMarkov, rng: np.random.Generator) -> noise_processes.GaussMarkov:
+    """What makes the bias, from its stationary state."""
+    deviation, time = np.array([model.deviation]), np.array([model.correlation_time])
+    return noise_processes.GaussMarkov(deviation, time, 1.0 / RATE, rng)
 
 
 def _rms(values: np.ndarray) -> float:
