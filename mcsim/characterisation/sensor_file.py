@@ -115,7 +115,10 @@ def _element(element: str, results: list[ChannelResult], rate: float) -> dict[st
 
 
 def _found_terms(fit: NoiseFit) -> dict[str, float]:
-    """N, B and K that the log shows; with a Gauss-Markov bias its σ and Tc beside what is left."""
+    """N, B and K as fitted together; with a Gauss-Markov bias its σ and Tc beside what is left.
+
+    Also those whose interval includes zero: without them the others would not make the curve.
+    """
     process = fit.gauss_markov
     if process is not None:
         found = {name: process.coefficient(TERMS.index(name)) for name in ("B", "K")}
@@ -125,7 +128,7 @@ def _found_terms(fit: NoiseFit) -> dict[str, float]:
             "Tc": process.model.correlation_time,
         }
         return {term: value for term, value in found.items() if value > 0.0}
-    return {term: fit[term].value for term in ("N", "B", "K") if fit[term].seen}
+    return {term: fit[term].value for term in ("N", "B", "K") if fit[term].value > 0.0}
 
 
 def _root_mean_squares(axes: Iterable[Mapping[str, float]]) -> dict[str, float]:
@@ -196,8 +199,10 @@ def _comparison_details(element: str, fit: NoiseFit) -> dict[str, Any]:
 
 def _interval(coefficient: Coefficient, unit: str, kind: str) -> str:
     low, high = (written(v, unit, kind) for v in (coefficient.low, coefficient.high))
-    if not coefficient.seen:
+    if not coefficient.value:
         return f"not seen; below {high}"
+    if not coefficient.seen:
+        return f"{written(coefficient.value, unit, kind)}, uncertain; below {high}"
     return f"{written(coefficient.value, unit, kind)}, between {low} and {high}"
 
 

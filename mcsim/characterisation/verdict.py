@@ -63,9 +63,11 @@ def number(fit: NoiseFit, element: str, term: str) -> str:
             return "Gauss-Markov"
         return f"{in_unit(beside, unit, KINDS[kind]):.3g} {unit} beside Gauss-Markov"
     coefficient = fit[term]
-    if not coefficient.seen:
+    if not coefficient.value:
         return f"not seen (below {in_unit(coefficient.high, unit, KINDS[kind]):.3g} {unit})"
     value = f"{in_unit(coefficient.value, unit, KINDS[kind]):.3g} {unit}"
+    if not coefficient.seen:
+        return f"{value}, uncertain (below {in_unit(coefficient.high, unit, KINDS[kind]):.3g})"
     return f"{value} ± {_per_cent(half_width(coefficient))}"
 
 
@@ -100,13 +102,13 @@ def _element(element: str, every: list[ChannelResult]) -> str:
         unseen = [r.channel.axis for r in results if not r.fit[term].seen]
         widths = [half_width(r.fit[term]) for r in results if r.fit[term].seen]
         if len(unseen) == len(results):
-            parts.append(f"{name} does not show in this log")
+            parts.append(f"{name} does not clearly show in this log")
             continue
         worst = max(widths)
         known = "well known" if worst <= 100 * _WELL else "roughly known"
         if worst > 100 * _ROUGHLY:
             known = "hardly known"
-        also = f"; not seen on {', '.join(unseen)}" if unseen else ""
+        also = f"; uncertain on {', '.join(unseen)}" if unseen else ""
         parts.append(f"{name} {known} (±{_per_cent(worst)}{also})")
     return f"{element}: {', '.join(parts)}."
 

@@ -107,7 +107,7 @@ def _draw_curve(result: ChannelResult, axes: Axes) -> None:
         ("K", K, "K: slope +1/2"),
     ):
         squares = fit.model_squares
-        if fit[term].seen if fit.gauss_markov is None else squares[index] > 0.0:
+        if squares[index] > 0.0:
             line = np.sqrt(allan_terms(tau)[:, index] * squares[index]) * one
             colour, style = _TERM_LOOKS[term]
             line = np.where(line > bottom, line, np.nan)
