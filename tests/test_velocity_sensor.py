@@ -533,7 +533,7 @@ def test_a_sensor_file_is_read_beside_the_scenario(tmp_path):
     np.testing.assert_allclose(p.white, 0.1 / 60.0 * 10.0 / G, rtol=1e-9)
     assert "accelerometer bias instability" in p.linear.variances
     tree["sensor"] = {"rate": "100 Hz", "accelerometer": "other.yaml"}
-    with pytest.raises(InputError, match=r"sensor\.accelerometer: .*other\.yaml: cannot be read"):
+    with pytest.raises(InputError, match=r"sensor\.accelerometer: .*other\.yaml: no such file"):
         Scenario.from_dict(tree, folder=tmp_path)
 
 

@@ -26,9 +26,9 @@ from mcsim.scenario.fields import (
     Time,
     reject,
 )
+from mcsim.scenario.named_sensor import NamedAccelerometer
 from mcsim.scenario.run import LARGEST_SEED
 from mcsim.scenario.schema import SCHEMA_DRAFT
-from mcsim.scenario.sensor_block import NamedAccelerometer
 from mcsim.scenario.validation import validate
 
 CASE = "vibration"
