@@ -218,7 +218,9 @@ def with_value(tree: Any, path: PathKey, value: Any) -> Any:
     key, rest = path[0], path[1:]
     if isinstance(tree, list) and isinstance(key, int):
         if key >= len(tree):
-            raise InputError(f"there is no item {key}; the list has {len(tree)}")
+            raise InputError(
+                f"there is no item {key}; the list has {len(tree)}, which count from 0"
+            )
         return [with_value(item, rest, value) if i == key else item for i, item in enumerate(tree)]
     if isinstance(tree, str):
         tree = {"model": tree}
