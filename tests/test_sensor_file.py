@@ -29,7 +29,6 @@ gyroscope:
   angle_random_walk: [0.1 °/√h, 0.2 °/√h, 0.3 °/√h]
   g_sensitivity: 0.1 °/s/g
 """
-TERMS = ("noise_density", "turn_on_bias", "range", "scale_factor_error", "spikes", "gauss_markov")
 VIBRATION = """\
 case: vibration
 sensor: mine.yaml
@@ -204,3 +203,15 @@ def test_a_scenario_beside_its_file(tmp_path):
     tree = dict(scenario().document.tree)
     tree["sensors"] = {**tree["sensors"], "accelerometer": "mine.yaml"}
     assert Scenario.from_dict(tree, folder=tmp_path).base.files == ("mine.yaml",)
+
+
+def test_a_vibration_scenario_finds_the_file_beside_it(tmp_path, monkeypatch):
+    written(tmp_path, EVERY)
+    path = written(tmp_path, VIBRATION, "case.yaml")
+    assert read_vibration(path).sensor.turn_on_bias[2] == pytest.approx(3e-3 * G)
+    # What an option names is looked for where the command is given.
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    with pytest.raises(InputError, match=r"--sensor: sensor: mine\.yaml: no such file"):
+        read_vibration(path, "mine.yaml")
