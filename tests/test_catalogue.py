@@ -6,7 +6,7 @@ import pytest
 
 from mcsim import catalogue
 from mcsim.scenario.document import parse_document
-from mcsim.scenario.sensor_block import SensorFile
+from mcsim.scenario.sensor_file import SensorFile
 from mcsim.scenario.validation import validate
 from mcsim.units import KINDS, parse
 from tests.conftest import density, scenario

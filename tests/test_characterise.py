@@ -12,7 +12,6 @@ import pandas as pd
 import pytest
 from ruamel.yaml import YAML
 
-from mcsim import catalogue
 from mcsim.characterisation.analysis import Settings, characterise
 from mcsim.characterisation.fit import fit_noise
 from mcsim.characterisation.sensor_file import sensor_file
@@ -26,6 +25,7 @@ from mcsim.characterisation.verdict import number, verdict
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
 from mcsim.logs import Channel, Log, ReadOptions, Timing, read_log
+from mcsim.scenario.sensor_file import parse_sensor_file
 from mcsim.units import KINDS, parse, sample_deviation
 from tests.reference.noise import gauss_markov, static_noise
 
@@ -87,9 +87,16 @@ def test_allan_table_is_allantools_of_the_log(csv, output):
     assert 1.0 in set(rows["tau_s"])
 
 
+def loaded(path):
+    """A sensor file as written, which must be one that scenarios take."""
+    text = path.read_text(encoding="utf-8")
+    parse_sensor_file(text, str(path))
+    return YAML(typ="safe").load(text)
+
+
 def test_the_sensor_file_loads_and_holds_the_truth(output):
-    sensor = catalogue.load_file(output / "sensor.yaml")
-    accelerometer, gyroscope = sensor.elements["accelerometer"], sensor.elements["gyroscope"]
+    sensor = loaded(output / "sensor.yaml")
+    accelerometer, gyroscope = sensor["accelerometer"], sensor["gyroscope"]
     n = parse(accelerometer["velocity_random_walk"], KINDS["velocity random walk"])
     assert n == pytest.approx(ACCEL[0], rel=0.02)
     b = parse(accelerometer["bias_instability"], KINDS["acceleration"])
@@ -228,7 +235,7 @@ def test_a_gauss_markov_bias_stands_in_the_sensor_file(tmp_path):
     path = tmp_path / "sensor.yaml"
     found = characterise(log_of(samples))
     path.write_text(sensor_file(found), encoding="utf-8")
-    block = catalogue.load_file(path).elements["accelerometer"]
+    block = loaded(path)["accelerometer"]
     assert "bias_instability" not in block
     deviation = parse(block["gauss_markov"]["deviation"], KINDS["acceleration"])
     assert deviation == pytest.approx(0.004, rel=0.2)
@@ -295,7 +302,7 @@ def test_ready_parameters_become_a_sensor(tmp_path, capsys):
     path.write_text("gyroscope_noise_density: 1.0e-3\ngyroscope_random_walk: 1.0e-4\n")
     assert exit_code(["characterise", str(path), "--output", str(tmp_path / "out")]) == 0
     assert "two-sided" in capsys.readouterr().out
-    block = catalogue.load_file(tmp_path / "out" / "sensor.yaml").elements["gyroscope"]
+    block = loaded(tmp_path / "out" / "sensor.yaml")["gyroscope"]
     assert parse(block["angle_random_walk"], KINDS["angle random walk"]) == pytest.approx(1e-3)
     assert parse(block["rate_random_walk"], KINDS["rate random walk"]) == pytest.approx(1e-4)
 
@@ -351,26 +358,6 @@ def test_a_log_of_one_row_is_one_message(tmp_path, capsys):
         assert "1 row" in error or "1 sample, 0.01 s: too short" in error
         assert len(error.strip().splitlines()) == 1
         assert not folder.exists()
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "is empty"),
-        ("a: 1", "describes no sensor"),
-        ("accelerometer: {noise_density: 3}", "has no unit"),
-        ("gyroscope: {axes: {x: {angle_random_walk: 3 m}}}", "axes.x.angle_random_walk"),
-        ("gyroscope: {axes: 3}", "a mapping of x, y and z"),
-        ("a: [", "not YAML"),
-    ],
-)
-def test_bad_sensor_files_are_explained(tmp_path, text, message):
-    path = tmp_path / "sensor.yaml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=message):
-        catalogue.load_file(path)
-    with pytest.raises(InputError, match="cannot be read"):
-        catalogue.load_file(tmp_path / "none.yaml")
 
 
 def test_help_is_instant():

@@ -8,6 +8,7 @@ import pytest
 from mcsim import InputError, Scenario
 from mcsim.cli.paper import shipped_scenarios
 from mcsim.scenario.schema import scenario_schema
+from mcsim.units import STANDARD_GRAVITY as G
 from mcsim.vibration.scenario import read_vibration, vibration_schema
 from tests.conftest import BASE, BASE_YAML, density, scenario
 
@@ -211,6 +212,60 @@ def test_bad_overrides_are_explained(override, message):
     with pytest.raises(InputError) as error:
         Scenario.from_yaml(BASE_YAML, [override])
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize("how", ["sweep", "--set"])
+@pytest.mark.parametrize(
+    ("given", "last", "needs_list"),
+    [
+        ("1 mg", "x", True),
+        ("1 mg", "0", True),
+        (None, "2", True),
+        (["1 mg", "2 mg", "3 mg"], "3", False),
+        (["1 mg", "2 mg", "3 mg"], "x", False),
+    ],
+)
+def test_wrong_paths_of_axes_say_what_to_write(how, given, last, needs_list):
+    key = "sensors.accelerometer.turn_on_bias"
+    path = f"{key}.{last}"
+    base = scenario({key: given} if given else {})
+    override = {f"sweep.{path}": ["1 mg"]} if how == "sweep" else {path: "1 mg"}
+    with pytest.raises(InputError) as error:
+        base.with_values(override)
+    message = str(error.value)
+    assert len(message.splitlines()) == 1
+    assert f"there is no `{path}`: write `{key}` for all axes, or `{key}.0` to `.2`" in message
+    assert ("after writing a list `turn_on_bias: [x, y, z]`" in message) == needs_list
+    assert "*" not in message
+
+
+def test_single_axes_of_a_list_are_swept():
+    key = "sensors.accelerometer.turn_on_bias"
+    s = scenario({key: ["1 mg", "2 mg", "3 mg"], f"sweep.{key}.1": ["5 mg", "6 mg"]})
+    biases = [p.model.sensors.accelerometer.turn_on_bias for p in s.points]
+    assert biases[1] == pytest.approx([1e-3 * G, 6e-3 * G, 3e-3 * G])
+
+
+def test_items_that_are_not_there_are_named():
+    points = {"shape": "waypoints", "points": [["0 m", "0 m"], ["9 m", "0 m"], ["20 m", "1 m"]]}
+    points |= {"speed": "5 m/s", "lead": "100 ms"}
+    with pytest.raises(InputError, match=r"sweep\.trajectory\.points\.3\.0: there is no item 3"):
+        scenario({"trajectory": points, "sweep.trajectory.points.3.0": ["1 m", "2 m"]})
+    with pytest.raises(InputError, match=r'did you mean "sensors\.accelerometer\.turn_on_bias"'):
+        scenario({"sweep.sensors.accelerometer.turn_on_bais": ["1 mg"]})
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("-1 mg", 'turn_on_bias: "-1 mg" must be at least 0 mg'),
+        (["1 mg", "-1 m/s²", "0 g"], 'turn_on_bias.1: "-1 m/s²" must be at least 0 m/s²'),
+    ],
+)
+def test_bounds_of_axes_have_their_unit(given, said):
+    with pytest.raises(InputError) as error:
+        scenario({"sensors.accelerometer.turn_on_bias": given})
+    assert str(error.value).endswith(said)
 
 
 def test_sensors_come_from_the_catalogue_and_can_be_changed():

@@ -9,7 +9,7 @@ import pytest
 from scipy.signal import butter, lfilter, welch
 
 from mcsim.scenario.document import parse_document
-from mcsim.scenario.sensor_block import SensorFile
+from mcsim.scenario.sensor_file import SensorFile
 from mcsim.scenario.validation import validate
 from mcsim.sensors.noise_processes import (
     FLICKER_RATIO,

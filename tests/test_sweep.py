@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -9,10 +10,13 @@ import pytest
 
 import mcsim
 from mcsim import InputError, Scenario
-from mcsim.results import COLUMNS
+from mcsim.results import COLUMNS, circumstances
 from mcsim.scenario import PlanarScenario
+from mcsim.scenario.document import Document
+from mcsim.scenario.validation import validate
 from mcsim.store import Checkpoint, load_results
 from mcsim.sweep import run_sweep
+from mcsim.vibration.scenario import VibrationScenario, is_vibration, read_vibration
 from tests.conftest import ALL_ERRORS, BASE_YAML, NO_NOISE, scenario
 
 ERRORS = PlanarScenario.ERRORS
@@ -108,6 +112,33 @@ def test_provenance_tells_how_to_repeat_the_run(tmp_path):
     assert told["resolved"]["sensors"]["rate"] == "100 Hz"
     again = mcsim.run(Scenario.from_dict(told["scenario"], told["name"]))
     pd.testing.assert_frame_equal(results.table, again.table, check_exact=True)
+
+
+SHIPPED = sorted((Path(__file__).parent.parent / "scenarios").glob("*/*.yaml"))
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_resolved_scenarios_are_scenarios_again(path):
+    if is_vibration(path):
+        base = read_vibration(path)
+        resolved = base.model_dump(mode="json", exclude_none=True)
+        assert validate(Document(resolved, "resolved"), VibrationScenario) == base
+        return
+    s = Scenario.from_yaml(path)
+    resolved = json.loads(json.dumps(circumstances(s)["resolved"]))
+    assert Scenario.from_dict(resolved, folder=path.parent).base == s.base
+
+
+def test_resolved_ratios_read_back():
+    terms = {"sensors.accelerometer.scale_factor_error": ["1 %", "123.456 ppm", "0.3 %"]}
+    s = scenario(terms)
+    resolved = circumstances(s)["resolved"]
+    assert resolved["sensors"]["accelerometer"]["scale_factor_error"][0] == "1 %"
+    assert Scenario.from_dict(resolved).base == s.base
+    # Control: the SI unit of a ratio has no sign, and a bare number is refused.
+    resolved["sensors"]["accelerometer"]["scale_factor_error"][0] = "0.01 1"
+    with pytest.raises(InputError, match="unknown unit"):
+        Scenario.from_dict(resolved)
 
 
 def test_stored_results_load_with_their_scenario(tmp_path):

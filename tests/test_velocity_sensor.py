@@ -13,6 +13,7 @@ from mcsim.cases import check_point, problem_of
 from mcsim.cases.nets import net_normals
 from mcsim.cases.scatter import mean_scatter, mean_square_scatter, scatter_quantile
 from mcsim.cases.velocity_measured import GroupSamples, ProcessSums
+from mcsim.cli.tables import summary
 from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty
 from mcsim.gum.tables import comparison_table, comparison_words
@@ -533,7 +534,7 @@ def test_a_sensor_file_is_read_beside_the_scenario(tmp_path):
     np.testing.assert_allclose(p.white, 0.1 / 60.0 * 10.0 / G, rtol=1e-9)
     assert "accelerometer bias instability" in p.linear.variances
     tree["sensor"] = {"rate": "100 Hz", "accelerometer": "other.yaml"}
-    with pytest.raises(InputError, match=r"sensor\.accelerometer: .*other\.yaml: cannot be read"):
+    with pytest.raises(InputError, match=r"sensor\.accelerometer: .*other\.yaml: no such file"):
         Scenario.from_dict(tree, folder=tmp_path)
 
 
@@ -574,6 +575,63 @@ def test_bad_blocks_are_explained(block, overrides, message):
 
     with pytest.raises(InputError, match=message):
         check()
+
+
+def test_what_is_wrong_within_the_blocks_comes_before_noise_written_twice():
+    noise = {"x": "1 m", "y": "1e-3 g", "z": "-1e-3 g"}
+    with pytest.raises(InputError) as error:
+        scenario({"noise_density": "300 µg/√Hz"}, sensor__noise=noise)
+    first, second = str(error.value).splitlines()
+    assert 'sensor.noise.x: "1 m" is a length' in first
+    assert 'sensor.noise.z: "-1e-3 g" must be at least 0 g' in second
+
+
+def alone(duration, estimator="control_variate", **deviations):
+    """A summary of an ideal level sensor with an unknown turn-on bias, and its results."""
+    exact = {"estimate": 1.0}
+    none = {"estimate": "0 g"}
+    tree = {
+        "case": "velocity",
+        "trajectory": {"top_speed": "0.4 m/s", "duration": duration, "rest": "1 s"},
+        "sensor": {
+            "rate": "100 Hz",
+            "noise": dict.fromkeys("xyz", "0 g"),
+            "accelerometer": deviations,
+        },
+        "calibration": {"lxx": exact, "lzz": exact, "bx": none, "bz": none},
+        "monte_carlo": {"realizations": 1000, "estimator": estimator},
+    }
+    results = mcsim.run(Scenario.from_dict(tree))
+    return summary(results), results
+
+
+def test_the_summary_tells_what_the_first_order_cannot():
+    """An offset of x tilts the rest by itself over g and cancels."""
+    text, results = alone("1.5 s", turn_on_bias="1 m/s²")
+    assert len(results.budget) == 0
+    std = results.table.set_index(["error", "statistic"])["value"]["velocity", "std"]
+    assert std > 1e-3
+    assert text.endswith(
+        "to first order nothing disturbs this run: what scatters is of higher order"
+    )
+    text, _ = alone("1.5 s", "linear", turn_on_bias="1 m/s²")
+    assert text.endswith("to first order nothing disturbs this run")
+    # Control: a run without any error.
+    text, _ = alone("1.5 s", turn_on_bias="0 m/s²")
+    assert text.endswith("\nnothing disturbs this run")
+
+
+def test_the_summary_says_how_much_the_budget_explains():
+    terms = {"turn_on_bias": "1 m/s²", "bias_instability": "1 µg"}
+    text, results = alone("1.5 s", **terms)
+    row = results.table.set_index(["error", "statistic"]).loc[("velocity", "std")]
+    linear = math.sqrt((results.budget.query("error == 'velocity'")["std"] ** 2).sum())
+    assert row["value"] > 2 * linear
+    said = f"explains {linear:.3g} m/s of a standard deviation of {row['value']:.3g} m/s"
+    assert said in text
+    # Control: small errors are linear.
+    text, _ = alone("1.5 s", bias_instability="1 mg")
+    assert "explains" not in text
 
 
 # Budget

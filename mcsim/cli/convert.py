@@ -117,7 +117,7 @@ def _sensor(given: str, source: str | None, assumptions: Assumptions) -> Descrip
     from mcsim import catalogue
     from mcsim.dialects import describe_file, read_sensor
     from mcsim.scenario.document import Document
-    from mcsim.scenario.sensor_block import SensorFile
+    from mcsim.scenario.sensor_file import SensorFile
     from mcsim.scenario.validation import validate
 
     if _is_file(given):

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _SUMMARY = ("mean", "std", "rms", "p95", "method")
+#: A simulated deviation this many times the first order's is remarked on.
+_EXCEEDS = 1.5
 _LISTED = {"noise_density": "noise density", "range": "range", "bandwidth": "bandwidth"}
 
 
@@ -36,7 +38,7 @@ def _budget_lines(results: Results) -> list[str]:
     """Where the scatter comes from: standard deviation and share of the variance by source."""
     budget = results.budget
     if budget is None or not len(budget):
-        return ["nothing disturbs this run"]
+        return [_no_budget(results)]
     budget = at_the_end(budget)
     errors = list(budget["error"].unique())
     rows = [["source", *(f"{name} [{UNITS[name]}]" for name in errors)]]
@@ -49,7 +51,38 @@ def _budget_lines(results: Results) -> list[str]:
             for e in errors
         ]
         rows.append([str(source), *cells])
-    return columns(rows)
+    return [*columns(rows), *_beyond_first_order(results, budget)]
+
+
+def _deviations(results: Results) -> pd.DataFrame:
+    """The standard deviations at the end, by error."""
+    table = at_the_end(results.table)
+    return table[table["statistic"] == "std"].set_index("error")
+
+
+def _no_budget(results: Results) -> str:
+    deviations = _deviations(results)
+    if (deviations["realizations"] == 0).all():
+        return "to first order nothing disturbs this run"
+    if (deviations["value"] > 0.0).any():
+        return "to first order nothing disturbs this run: what scatters is of higher order"
+    return "nothing disturbs this run"
+
+
+def _beyond_first_order(results: Results, budget: pd.DataFrame) -> list[str]:
+    """Errors whose simulated deviation the budget, which is of first order, does not explain."""
+    explained = (budget["std"] ** 2).groupby(budget["error"]).sum() ** 0.5
+    lines = []
+    for name, row in _deviations(results).iterrows():
+        linear = float(explained.get(name, 0.0))
+        # The interval keeps a chance excess of few realizations out.
+        if row["value"] > _EXCEEDS * linear and row["ci_low"] > linear:
+            unit = row["unit"]
+            lines.append(
+                f"{name}: the budget, of first order, explains {linear:.3g} {unit} of a standard "
+                f"deviation of {row['value']:.3g} {unit}"
+            )
+    return ["", *lines] if lines else []
 
 
 def _estimate(row: Any, with_interval: bool) -> str:

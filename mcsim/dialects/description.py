@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from pydantic import BaseModel
 
 from mcsim.errors import InputError
-from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors, SensorFile
+from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors
+from mcsim.scenario.sensor_file import SensorFile
 
 Values = tuple[float, ...]
 Quantities = Mapping[str, Values]

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 
-from mcsim import catalogue
 from mcsim.dialects.description import (
     RANDOM_WALK,
     Assumptions,
@@ -17,9 +15,7 @@ from mcsim.dialects.description import (
     two_sided,
 )
 from mcsim.dialects.numbers import number
-from mcsim.errors import InputError
-from mcsim.scenario.document import Document, parse_document
-from mcsim.scenario.sensor_block import SensorFile
+from mcsim.scenario.sensor_file import SensorFile, parse_sensor_file
 from mcsim.scenario.validation import validate
 from mcsim.units import KINDS, factor
 
@@ -69,10 +65,6 @@ _ALLAN = {
 _ALLAN_BIAS = {"accelerometer": "m/s/h", "gyroscope": "°/h"}
 
 
-#: What ``mcsim characterise`` writes beside the elements.
-_BESIDE = ("description", "origin", "source", "fit")
-
-
 def kind_of(key: str, element: str) -> str:
     """Name of the kind of quantity behind a key."""
     return KIND_OF[key][element == "gyroscope"]
@@ -86,19 +78,7 @@ def read(text: str, source: str, _: Assumptions) -> Reading:
     InputError
         Not a valid sensor file; one line per problem.
     """
-    if not text.strip():
-        raise InputError(f"{source}: is empty; a sensor file has an `accelerometer:` block")
-    return Reading(describe_file(validate(_bare(parse_document(text, source)), SensorFile)))
-
-
-def _bare(document: Document) -> Document:
-    """Without what a characterised sensor says beside its parameters; axes become lists."""
-    tree = {key: value for key, value in document.tree.items() if key not in _BESIDE}
-    for element in catalogue.ELEMENTS:
-        block = tree.get(element)
-        if isinstance(block, dict) and "axes" in block:
-            tree[element] = catalogue.scenario_quantities(block, element)
-    return replace(document, tree=tree)
+    return Reading(describe_file(validate(parse_sensor_file(text, source), SensorFile)))
 
 
 def write_si(sensor: Description, assumptions: Assumptions) -> str:

@@ -10,8 +10,16 @@ from typing import Any
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from mcsim.errors import InputError, UnitError
-from mcsim.scenario.document import Document
-from mcsim.scenario.paths import NOT_SWEPT, Scalar, find_scalar, scalars, suggest
+from mcsim.scenario.document import Document, with_value
+from mcsim.scenario.paths import (
+    NOT_SWEPT,
+    Scalar,
+    axis_advice,
+    find_scalar,
+    split_path,
+    suggest,
+    writable,
+)
 from mcsim.scenario.run import Range
 from mcsim.scenario.validation import describe
 from mcsim.units import Kind, factor, in_unit, parse, parse_confidence, split
@@ -90,13 +98,17 @@ def read_axes(document: Document, model: type[BaseModel]) -> tuple[Axis, ...]:
 
 def _read_axis(document: Document, model: type[BaseModel], path: str, given: Any) -> Axis:
     place = f"{document.place(('sweep', path))}: sweep.{path}"
+    advice = axis_advice(model, document.tree, path)
+    if advice is not None:
+        raise InputError(f"{place}: {advice}")
     scalar = find_scalar(model, path)
     if scalar is None:
         if path.split(".")[0] in NOT_SWEPT:
             raise InputError(f"{place}: `{path}` describes the run and cannot be swept")
         raise InputError(
-            f"{place}: the scenario has no scalar of that name{suggest(path, scalars(model))}"
+            f"{place}: the scenario has no scalar of that name{suggest(path, writable(model))}"
         )
+    _check_items(document, path, place)
     try:
         values = TypeAdapter(list[str | int | float | bool] | Range).validate_python(given)
     except ValidationError as error:
@@ -113,6 +125,15 @@ def _read_axis(document: Document, model: type[BaseModel], path: str, given: Any
             return _range_axis(scalar, path, values)
         return _list_axis(scalar, path, values)
     except (InputError, UnitError) as error:
+        raise InputError(f"{place}: {error}") from None
+
+
+def _check_items(document: Document, path: str, place: str) -> None:
+    """The items of lists that a path names must be there."""
+    keys = split_path(path)
+    try:
+        with_value(document.tree, keys, None)
+    except InputError as error:
         raise InputError(f"{place}: {error}") from None
 
 

@@ -18,6 +18,18 @@ DEEPEST_TREE = 50
 
 
 @dataclass(frozen=True)
+class Genre:
+    """What a file is, and what one begins with: words for messages."""
+
+    name: str
+    rule: str
+
+
+SCENARIO = Genre("scenario", "begins with `case: planar`")
+SENSOR = Genre("sensor", "has an `accelerometer:` or a `gyroscope:` block")
+
+
+@dataclass(frozen=True)
 class Document:
     """A tree of dicts, lists and scalars, and where each of them was written."""
 
@@ -39,20 +51,33 @@ class Document:
 
 
 def read_document(path: Path) -> Document:
-    """Read a YAML file.
+    """Read a scenario's YAML file.
 
     Raises
     ------
     InputError
         Not a readable UTF-8 file, not YAML, not a mapping, or absurdly large.
     """
+    return parse_document(read_text(path), str(path))
+
+
+def read_text(path: Path, genre: Genre = SCENARIO) -> str:
+    """The text of a YAML file.
+
+    Raises
+    ------
+    InputError
+        Not a readable UTF-8 file, or absurdly large.
+    """
     try:
         if path.is_dir():
-            raise InputError(f"{path}: is a directory; name a scenario file")
+            raise InputError(f"{path}: is a directory; name a {genre.name} file")
         with path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
         if len(content) > LARGEST_FILE:
-            raise InputError(f"{path}: larger than {LARGEST_FILE >> 10} KiB; not a scenario")
+            raise InputError(
+                f"{path}: larger than {LARGEST_FILE >> 10} KiB; not a {genre.name} file"
+            )
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
@@ -63,10 +88,10 @@ def read_document(path: Path) -> Document:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{path}: cannot be read ({reason})") from None
-    return parse_document(text, str(path))
+    return text
 
 
-def parse_document(text: str, source: str = "scenario") -> Document:
+def parse_document(text: str, source: str = "scenario", genre: Genre = SCENARIO) -> Document:
     """Parse YAML text; ``source`` is what messages call it.
 
     Raises
@@ -76,9 +101,9 @@ def parse_document(text: str, source: str = "scenario") -> Document:
     """
     root = _load_yaml(text, source)
     if root is None:
-        raise InputError(f"{source}: is empty; a scenario begins with `case: planar`")
+        raise InputError(f"{source}: is empty; a {genre.name} file {genre.rule}")
     if not isinstance(root, dict):
-        raise InputError(f"{source}: a scenario is a mapping that begins with `case: planar`")
+        raise InputError(f"{source}: no `key: value` lines; a {genre.name} file {genre.rule}")
     lines: dict[PathKey, int] = {}
     tree = _Plain(source, lines).convert(root, (), 1)
     return Document(tree, source, lines)
@@ -193,7 +218,9 @@ def with_value(tree: Any, path: PathKey, value: Any) -> Any:
     key, rest = path[0], path[1:]
     if isinstance(tree, list) and isinstance(key, int):
         if key >= len(tree):
-            raise InputError(f"there is no item {key}; the list has {len(tree)}")
+            raise InputError(
+                f"there is no item {key}; the list has {len(tree)}, which count from 0"
+            )
         return [with_value(item, rest, value) if i == key else item for i, item in enumerate(tree)]
     if isinstance(tree, str):
         tree = {"model": tree}

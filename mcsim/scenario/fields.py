@@ -18,6 +18,10 @@ def reject(message: str) -> PydanticCustomError:
     return PydanticCustomError("mcsim", "{message}", {"message": message})
 
 
+#: Units of kinds whose SI unit has no sign.
+_WRITTEN = {"ratio": ("%", "ppm")}
+
+
 @dataclass(frozen=True)
 class Quantity:
     """Marks a float field that is written as a number with a unit of ``kind``."""
@@ -40,7 +44,14 @@ class Quantity:
             raise reject(str(error)) from None
 
     def write(self, value: float) -> str:
-        return f"{value:.15g} {self.details.si_unit}"
+        """A text that reads back to the same value, if it came from one of 15 digits at least."""
+        units = _WRITTEN.get(self.kind, (self.details.si_unit,))
+        texts = [
+            f"{value / self.details.factors[unit]:.{digits}g} {unit}"
+            for digits in (15, 16, 17)
+            for unit in units
+        ]
+        return next((text for text in texts if self.read(text) == value), texts[0])
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler

@@ -11,9 +11,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 
-from mcsim.scenario.document import PathKey
+from mcsim.scenario.document import PathKey, get_path
 from mcsim.scenario.fields import Quantity
-from mcsim.scenario.sensor_block import OneOrThree
+from mcsim.scenario.sensor_block import N_AXES, OneOrThree
 from mcsim.units import Kind
 
 #: Blocks and keys that describe the run, not the simulated system.
@@ -49,6 +49,34 @@ def find_scalar(model: type[BaseModel], path: str) -> Scalar | None:
     """The scalar at a path as a user writes it."""
     pattern = ".".join("*" if isinstance(key, int) else key for key in split_path(path))
     return scalars(model).get(pattern)
+
+
+def writable(model: type[BaseModel]) -> list[str]:
+    """The scalar paths as a user may write them, for suggestions."""
+    known = scalars(model)
+    # A quantity of all axes is offered as a whole.
+    return [p.replace("*", "0") for p in known if p.removesuffix(".*") not in known or p[-1] != "*"]
+
+
+def axis_advice(model: type[BaseModel], tree: Any, path: str) -> str | None:
+    """What to write instead of a path below a quantity of all axes, if it is wrong.
+
+    ``turn_on_bias.0`` to ``.2`` exist where the tree has a list [x, y, z]; nothing else does.
+    """
+    known = scalars(model)
+    whole, _, last = path.rpartition(".")
+    if whole not in known or f"{whole}.*" not in known:
+        return None
+    axes = [str(axis) for axis in range(N_AXES)]
+    given = get_path(tree, split_path(whole))
+    has_list = isinstance(given, list) and len(given) == N_AXES
+    if last in axes and has_list:
+        return None
+    key = whole.rpartition(".")[2]
+    by_axis = f"`{whole}.0` to `.2` for x, y and z"
+    if not has_list:
+        by_axis += f", after writing a list `{key}: [x, y, z]` in the scenario"
+    return f"there is no `{path}`: write `{whole}` for all axes, or {by_axis}"
 
 
 def suggest(word: str, known: Any) -> str:

@@ -21,7 +21,7 @@ from mcsim.scenario.document import (
     read_document,
     with_value,
 )
-from mcsim.scenario.paths import scalars, split_path, suggest
+from mcsim.scenario.paths import axis_advice, scalars, split_path, suggest
 from mcsim.scenario.planar import PlanarScenario
 from mcsim.scenario.strapdown import StrapdownScenario
 from mcsim.scenario.validation import validate
@@ -225,6 +225,9 @@ def _override(
                     f"{option}: this scenario sweeps that value; override the sweep with "
                     f"--set 'sweep.{path}=[…]'"
                 )
+            advice = axis_advice(model, document.tree, path)
+            if advice is not None:
+                raise InputError(f"{option}: {advice}")
         try:
             tree = with_value(document.tree, keys, value)
         except InputError as error:

@@ -6,6 +6,7 @@ is one quantity for all axes, or a list [x, y, z].
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -209,51 +210,49 @@ class GyroscopeErrors(_Element):
 NOISE_KEYS = {"noise_density", "velocity_random_walk", "angle_random_walk"}
 
 
+#: Reads an element of a sensor file: its quantities, as text.
+FileReader = Callable[[Path, str], Mapping[str, Any]]
+
+
 def is_file(model: str) -> bool:
     """Whether a sensor's name is that of a file."""
     return Path(model).suffix.lower() in (".yaml", ".yml")
 
 
-def named_element(element: str) -> BeforeValidator:
+def filled(block: Mapping[str, Any], element: str, folder: Path, reader: FileReader) -> Any:
+    """The block, its gaps filled by the sensor that its ``model`` names.
+
+    White noise is written in one way or the other, never in both.
+
+    Raises
+    ------
+    InputError
+        No such sensor, or a sensor file that cannot be read.
+    """
+    model = block.get("model")
+    if not isinstance(model, str):
+        return block
+    in_file = is_file(model)
+    known = reader(folder / model, element) if in_file else catalogue.element(model, element)
+    if block.keys() & NOISE_KEYS:
+        known = {key: known[key] for key in known if key not in NOISE_KEYS}
+    return {**known, **block}
+
+
+def named(element: str, reader: FileReader) -> BeforeValidator:
     """Accept a sensor's name for its block, or fill a block's gaps by its ``model``.
 
-    A name that ends in ``.yaml`` is that of a sensor file, relative to the scenario's folder.
+    A name that ends in ``.yaml`` is that of a sensor file, relative to the document's folder.
     """
 
     def expand(value: Any, info: ValidationInfo) -> Any:
         block = {"model": value} if isinstance(value, str) else value
-        if not isinstance(block, dict) or not isinstance(block.get("model"), str):
+        if not isinstance(block, dict):
             return block
+        folder = (info.context or {}).get("folder", Path())
         try:
-            if is_file(block["model"]):
-                folder = (info.context or {}).get("folder", Path())
-                known = dict(catalogue.file_element(folder / block["model"], element))
-            else:
-                known = dict(catalogue.element(block["model"], element))
+            return filled(block, element, folder, reader)
         except InputError as error:
             raise reject(str(error)) from None
-        if block.keys() & NOISE_KEYS:
-            known = {key: known[key] for key in known if key not in NOISE_KEYS}
-        return {**known, **block}
 
     return BeforeValidator(expand)
-
-
-NamedAccelerometer = Annotated[AccelerometerErrors, named_element("accelerometer")]
-NamedGyroscope = Annotated[GyroscopeErrors, named_element("gyroscope")]
-
-
-class SensorFile(Block):
-    """A sensor file: one or both elements, and the rate that they are read at."""
-
-    name: str | None = None
-    rate: Annotated[Frequency, Positive] | None = None
-    """Output rate."""
-    accelerometer: NamedAccelerometer | None = None
-    gyroscope: NamedGyroscope | None = None
-
-    @model_validator(mode="after")
-    def _something(self) -> SensorFile:
-        if self.accelerometer is None and self.gyroscope is None:
-            raise reject("write an `accelerometer:` or a `gyroscope:` block")
-        return self

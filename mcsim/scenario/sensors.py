@@ -9,12 +9,8 @@ from pydantic import model_validator
 
 from mcsim.scenario.block import Block
 from mcsim.scenario.fields import Frequency, NotNegative, Positive, Time, reject
-from mcsim.scenario.sensor_block import (
-    AccelerometerErrors,
-    GyroscopeErrors,
-    is_file,
-    named_element,
-)
+from mcsim.scenario.named_sensor import named_element
+from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors, is_file
 
 
 class Accelerometer(AccelerometerErrors):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, TypeVar, get_args, get_origin
+import types
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -11,6 +12,7 @@ from mcsim.errors import InputError, UnitError
 from mcsim.scenario.document import Document, PathKey, get_path
 from mcsim.scenario.fields import Quantity
 from mcsim.scenario.paths import suggest
+from mcsim.scenario.sensor_block import OneOrThree
 from mcsim.units import in_unit, split
 
 #: Messages beyond this number help nobody.
@@ -165,21 +167,37 @@ def _siblings(loc: tuple[str | int, ...], model: type[BaseModel]) -> list[str]:
 
 
 def _quantity(found: Any) -> Quantity | None:
+    """The quantity that a field, its only alternative or its items hold."""
     if found is None:
         return None
-    candidates = list(found.metadata)
-    for annotation in (found.annotation, *get_args(found.annotation)):
-        if get_origin(annotation) is Annotated:
-            candidates += get_args(annotation)[1:]
-    return next((m for m in candidates if isinstance(m, Quantity)), None)
+    own = next((m for m in found.metadata if isinstance(m, Quantity)), None)
+    return own or _quantity_within(found.annotation)
+
+
+def _quantity_within(annotation: Any) -> Quantity | None:
+    arguments = get_args(annotation)
+    if get_origin(annotation) is Annotated:
+        marks = [m for m in arguments[1:] if isinstance(m, Quantity)]
+        return marks[0] if marks else _quantity_within(arguments[0])
+    if get_origin(annotation) in (tuple, Union, types.UnionType):
+        return next((q for q in map(_quantity_within, arguments) if q is not None), None)
+    return None
 
 
 def _example(details: ErrorDetails, model: type[BaseModel]) -> str:
     found, _ = _field(details["loc"], model)
     quantity = _quantity(found)
-    if quantity is not None:
+    if quantity is not None and (_is_scalar(found) or _is_per_axis(found)):
         return f"; write for example `{details['loc'][-1]}: {quantity.details.example}`"
     return ""
+
+
+def _is_scalar(found: Any) -> bool:
+    return get_origin(found.annotation) is not tuple
+
+
+def _is_per_axis(found: Any) -> bool:
+    return any(isinstance(m, OneOrThree) for m in found.metadata)
 
 
 def _bound(details: ErrorDetails, bound: Any, model: type[BaseModel]) -> str:

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Ge, Le, Len
-from pydantic import FiniteFloat, field_validator, model_validator
+from pydantic import FiniteFloat, ModelWrapValidatorHandler, field_validator, model_validator
 
 from mcsim.scenario.block import Block, Whole
 from mcsim.scenario.case import CaseScenario
@@ -24,12 +24,8 @@ from mcsim.scenario.fields import (
     Time,
     reject,
 )
-from mcsim.scenario.sensor_block import (
-    NOISE_KEYS,
-    AccelerometerErrors,
-    NamedAccelerometer,
-    is_file,
-)
+from mcsim.scenario.named_sensor import NamedAccelerometer
+from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
 
 #: Rows of the source's budget tables.
 BUDGET_ROWS = 26
@@ -118,9 +114,13 @@ class RawAccelerometer(Block):
     """Intervals err independently, as the source assumes; or time stamps do, so that an
     interval that is too long is followed by one that is too short."""
 
-    @model_validator(mode="before")
+    @model_validator(mode="wrap")
     @classmethod
-    def _noise_written_once(cls, value: Any) -> Any:
+    def _noise_written_once(
+        cls, value: Any, handler: ModelWrapValidatorHandler[RawAccelerometer]
+    ) -> RawAccelerometer:
+        # What is wrong within the blocks comes first.
+        sensor = handler(value)
         if isinstance(value, dict) and value.get("noise") is not None:
             block = value.get("accelerometer")
             twice = sorted(NOISE_KEYS & block.keys()) if isinstance(block, dict) else []
@@ -128,7 +128,7 @@ class RawAccelerometer(Block):
                 raise reject(
                     f"`noise` and `accelerometer.{twice[0]}` say the same thing twice; keep one"
                 )
-        return value
+        return sensor
 
     @model_validator(mode="after")
     def _noise_given(self) -> RawAccelerometer:

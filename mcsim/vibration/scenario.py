@@ -26,9 +26,9 @@ from mcsim.scenario.fields import (
     Time,
     reject,
 )
+from mcsim.scenario.named_sensor import NamedAccelerometer
 from mcsim.scenario.run import LARGEST_SEED
 from mcsim.scenario.schema import SCHEMA_DRAFT
-from mcsim.scenario.sensor_block import NamedAccelerometer
 from mcsim.scenario.validation import validate
 
 CASE = "vibration"
@@ -179,13 +179,15 @@ def read_vibration(path: Path, sensor: str | None = None) -> VibrationScenario:
     InputError
         Not readable, another case, or not valid; one line per problem.
     """
-    document = read_document(path)
+    document = replace(read_document(path), folder=path.parent)
     case = document.tree.get("case")
     if case != CASE:
         raise InputError(f'{document.place(("case",))}: case: "{case}" is not `case: {CASE}`')
     if sensor is not None:
         tree = {**document.tree, "sensor": sensor}
         document = replace(document, tree=tree, overrides={("sensor",): "--sensor"})
+        # An option's file lies where the command is given.
+        document = replace(document, folder=Path())
     scenario = validate(document, VibrationScenario)
     errors = scenario.sensor
     if errors.model and errors.noise_density is None and errors.velocity_random_walk is None:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mcsim import catalogue
 from mcsim.scenario.document import Document
-from mcsim.scenario.sensor_block import SensorFile
+from mcsim.scenario.sensor_file import SensorFile
 from mcsim.scenario.validation import validate
 from mcsim.sensors.signal_errors import Element, SignalErrors, signal_errors
 from mcsim.units import (
