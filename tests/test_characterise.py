@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from ruamel.yaml import YAML
 
+from mcsim import Scenario
 from mcsim.characterisation.analysis import Settings, characterise
 from mcsim.characterisation.fit import fit_noise
 from mcsim.characterisation.sensor_file import sensor_file
@@ -27,6 +28,7 @@ from mcsim.errors import InputError
 from mcsim.logs import Channel, Log, ReadOptions, Timing, read_log
 from mcsim.scenario.sensor_file import parse_sensor_file
 from mcsim.units import KINDS, parse, sample_deviation
+from tests.conftest import BASE
 from tests.reference.noise import gauss_markov, static_noise
 
 RATE, N_SAMPLES = 50.0, 100_000
@@ -253,6 +255,22 @@ def test_a_gauss_markov_bias_stands_in_the_sensor_file(tmp_path):
     told = verdict(found)
     assert any("A Gauss-Markov bias explains accel_x" in sentence for sentence in told)
     assert not any("random walk does not clearly show" in sentence for sentence in told)
+
+
+def test_axes_of_a_sensor_file_keep_what_is_theirs(tmp_path):
+    """A process of one axis is not spread over those that have none."""
+    rng = np.random.default_rng(10)
+    wandering = gauss_markov(20.0, 0.004, RATE, 3 * N_SAMPLES, rng)
+    wandering += noise(11, (1e-3, 0.0, 0.0), 3 * N_SAMPLES)
+    walking = noise(12, (1e-3, 0.0, 2e-4), 3 * N_SAMPLES)
+    found = characterise(log_of(wandering, walking, walking))
+    (tmp_path / "mine.yaml").write_text(sensor_file(found), encoding="utf-8")
+    process = found.channels[0].fit.gauss_markov
+    tree = {**BASE, "sensors": {**BASE["sensors"], "accelerometer": "mine.yaml"}}
+    errors = Scenario.from_dict(tree, folder=tmp_path).base.sensors.accelerometer
+    assert errors.gauss_markov.deviation == (pytest.approx(process.model.deviation), 0.0, 0.0)
+    assert errors.acceleration_random_walk[0] == 0.0
+    assert errors.acceleration_random_walk[1] == pytest.approx(found.channels[1].fit["K"].value)
 
 
 def test_a_random_walk_says_what_it_could_be():

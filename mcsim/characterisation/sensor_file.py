@@ -101,14 +101,17 @@ def parameter_file(parameters: Parameters, name: str) -> str:
 
 def _element(element: str, results: list[ChannelResult], rate: float) -> dict[str, Any]:
     per_axis = [_found_terms(result.fit) for result in results]
-    block = _terms(element, _root_mean_squares(per_axis))
+    means = _root_mean_squares(per_axis)
+    block = _terms(element, means)
     kind, unit = SAMPLE[element]
     steps = [r.inspection.resolution for r in results if r.inspection.resolution is not None]
     if steps:
         block["resolution"] = written(max(steps), unit, kind)
     block["rate"] = f"{rate:.6g} Hz"
+    # A term that another axis has is written as zero: absent, it would be that of all axes.
+    none = {term: means["Tc"] if term == "Tc" else 0.0 for term in means}
     block["axes"] = {
-        result.channel.axis: _terms(element, terms)
+        result.channel.axis: _terms(element, {**none, **terms})
         for result, terms in zip(results, per_axis, strict=True)
     }
     return block
@@ -148,7 +151,7 @@ def _root_mean_squares(axes: Iterable[Mapping[str, float]]) -> dict[str, float]:
 def _terms(element: str, terms: Mapping[str, float]) -> dict[str, Any]:
     block: dict[str, Any] = {}
     for term, (key, kind, unit) in KEYS[element].items():
-        if terms.get(term):
+        if term in terms:
             block[key] = written(terms[term], unit, kind)
     if "Tc" in terms:
         kind, unit = SAMPLE[element]
