@@ -16,7 +16,6 @@ Noise has two conventions and two kinds of quantity:
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 import unicodedata
@@ -25,6 +24,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from mcsim.errors import UnitError
+from mcsim.unit_notation import Powers, plain_quantity, powers
 
 STANDARD_GRAVITY = 9.80665  # m/s^2, CGPM 1901
 
@@ -166,17 +166,8 @@ NUMBER_PATTERN = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"
 _SPELLINGS = (
     ("\N{GREEK SMALL LETTER MU}", "µ"),
     ("\N{MASCULINE ORDINAL INDICATOR}", "°"),
+    ("\N{RING ABOVE}", "°"),
     ("**", "^"),
-    ("s^-1", "/s"),
-    ("s⁻¹", "/s"),
-    ("s^-2", "/s²"),
-    ("s⁻²", "/s²"),
-    ("^2", "²"),
-    ("^3", "³"),
-    ("^(3/2)", "^1.5"),
-    ("^{3/2}", "^1.5"),
-    ("^0.5", "^½"),
-    ("sqrt", "√"),
     ("degrees", "°"),
     ("degree", "°"),
     ("deg", "°"),
@@ -189,7 +180,10 @@ _WORDS = {
     "sec": "s",
     "second": "s",
     "seconds": "s",
+    "minute": "min",
+    "minutes": "min",
     "hr": "h",
+    "hrs": "h",
     "hour": "h",
     "hours": "h",
     "kph": "km/h",
@@ -199,30 +193,41 @@ _WORDS = {
     "um": "µm",
     "urad": "µrad",
     "hz": "Hz",
-    "rtHz": "√Hz",
-    "m/s/s": "m/s²",
-    "m/s2": "m/s²",
+    "HZ": "Hz",
     "mps": "m/s",
 }
 
 
 @lru_cache(1024)
 def canonical_unit(text: str) -> str:
-    """The table's spelling of a unit: ``deg/s/sqrt(Hz)`` becomes ``°/s/√Hz``."""
+    """The table's spelling of a unit: ``(deg/s)/sqrt(Hz)`` becomes ``°/s/√Hz``.
+
+    A unit that is not in the table comes back as it is, but for its blanks and signs.
+    """
     unit = unicodedata.normalize("NFC", text)
     for spelled, sign in _SPELLINGS:
         unit = unit.replace(spelled, sign)
-    unit = re.sub(r"\s+", "", unit)
-    unit = re.sub(r"hr?\^[({]?(?:3/2|1\.5)[)}]?", "h^1.5", unit)
-    unit = re.sub(r"√\((\w+)\)", r"√\1", unit)
-    unit = re.sub(r"(Hz|h|s)\^½", r"√\1", unit)
-    unit = unit.replace("m/s/s/", "m/s²/")
-    if unit in _WORDS:
-        return _WORDS[unit]
-    return "/".join(
-        _WORDS.get(part, part) if not part.startswith("√") else "√" + _WORDS.get(part[1:], part[1:])
-        for part in unit.split("/")
-    )
+    unit = plain_quantity(unit)
+    bare = re.sub(r"\s+", "", unit)
+    if bare in _known_units():
+        return bare
+    return _units_by_powers().get(powers(unit, _WORDS), bare)
+
+
+@lru_cache(1)
+def _known_units() -> frozenset[str]:
+    return frozenset(name for kind in _KINDS for name in kind.factors)
+
+
+@lru_cache(1)
+def _units_by_powers() -> dict[Powers | None, str]:
+    """The table's units by their notation; of several spellings the first one."""
+    found: dict[Powers | None, str] = {}
+    for kind in _KINDS:
+        for name in kind.factors:
+            found.setdefault(powers(name, _WORDS), name)
+    found.pop(None, None)
+    return found
 
 
 def split(text: str) -> tuple[float, str]:
@@ -233,8 +238,10 @@ def split(text: str) -> tuple[float, str]:
     UnitError
         The text does not begin with a finite decimal number.
     """
-    match = _NUMBER.fullmatch(text)
+    match = _NUMBER.fullmatch(text.replace("\N{MINUS SIGN}", "-"))
     if match is None:
+        if text.lstrip().startswith("±"):
+            raise UnitError(f'"{text}": write it without the sign ±')
         if re.match(r"\s*[-+]?\.?(nan|inf)", text, re.I):
             raise UnitError(f'"{text}" is not a finite number')
         raise UnitError(f'"{text}" does not begin with a number')
@@ -292,11 +299,38 @@ def factor(unit: str, kind: Kind, text: str | None = None) -> float:
                 f'{quoted} is {other}; {kind} is needed here, for example "{kind.example}"'
                 + _noise_hint(kind, other)
             )
-    close = difflib.get_close_matches(name, kind.factors, n=1, cutoff=0.5)
-    hint = f'; did you mean "{close[0]}"?' if close else ""
     raise UnitError(
-        f'{quoted}: unknown unit "{unit}"{hint} (units of {kind}: {", ".join(kind.factors)})'
+        f'{quoted}: unknown unit "{unit}"{_hint(unit, kind, text)} '
+        f"(units of {kind}: {', '.join(kind.factors)})"
     )
+
+
+def _hint(unit: str, kind: Kind, text: str | None) -> str:
+    """What the unit may be: only what is worth the same, since people take the advice."""
+    if re.search(r"(?<![A-Za-z])(lsb|counts?|digits?)(?![A-Za-z])", unit, re.I):
+        return _counts_hint(unit, text)
+    written = unit.strip()
+    alike = [name for name in kind.factors if _letters(name) == _letters(written)]
+    # A capital letter may be a prefix: M is not m.
+    if len(alike) == 1 and (written[:1] != "M" or alike[0][:1] == "M"):
+        return f'; did you mean "{alike[0]}"?'
+    return ""
+
+
+def _letters(unit: str) -> str:
+    """A unit without what is lost by copying it: case, roots, blanks, brackets."""
+    return re.sub(r"[^a-zµ°%/²³\d]", "", canonical_unit(unit.lower()).lower())
+
+
+def _counts_hint(unit: str, text: str | None) -> str:
+    """What to write for a figure in steps of the converter, whose size is another figure."""
+    for pattern, inverse in ((r"(.+)/LSB", False), (r"LSB/(.+)", True)):
+        match = re.fullmatch(pattern, re.sub(r"\s+", "", unit), re.I)
+        if match is not None and text is not None and split(text)[0] > 0.0:
+            value = split(text)[0]
+            step = f"{1.0 / value if inverse else value:.6g} {match[1]}"
+            return f'; it is the size of a step: as a resolution write "{step}"'
+    return "; a step of the converter is no unit: multiply by its size in the unit"
 
 
 def _noise_hint(wanted: Kind, given: Kind) -> str:

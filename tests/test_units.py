@@ -1,6 +1,7 @@
 """The closed table of units."""
 
 import math
+import re
 
 import pytest
 
@@ -66,6 +67,29 @@ DEG = math.pi / 180
         ("10 deg/h/sqrt(h)", "rate random walk", 10 * DEG / 3600 / 60),
         ("15 mGal", "acceleration", 1.5e-4),
         ("0.1 dps/g", "g-sensitivity", 0.1 * DEG / 9.80665),
+        # Data sheets: brackets, roots as powers, roots in letters, products, rms, one sigma.
+        ("0.06 (m/s)/√h", "velocity random walk", 0.06 / 60),
+        ("0.06 m/(s √h)", "velocity random walk", 0.06 / 60),
+        ("2 m/s^1.5", "velocity random walk", 2.0),
+        ("2 m/s^(3/2)", "velocity random walk", 2.0),
+        ("2 m·s⁻²·Hz⁻¹ᐟ²", "acceleration noise density", 2.0),
+        ("2 m s^-2 Hz^-0.5", "acceleration noise density", 2.0),
+        ("0.01 (°/s)/√Hz", "angular rate noise density", 0.01 * DEG),
+        ("36 °/hr/√Hz", "angular rate noise density", 0.01 * DEG),
+        ("10 mdps/√Hz", "angular rate noise density", 0.01 * DEG),
+        ("0.01 deg/sec/rt Hz", "angular rate noise density", 0.01 * DEG),
+        ("0.01 °/s/√Hz rms", "angular rate noise density", 0.01 * DEG),
+        ("75 µg/Hz^(1/2)", "acceleration noise density", 75e-6 * 9.80665),
+        ("75 µg/Hz^1/2", "acceleration noise density", 75e-6 * 9.80665),
+        ("75 ug/rt-Hz", "acceleration noise density", 75e-6 * 9.80665),
+        ("75 µg/√(Hz)", "acceleration noise density", 75e-6 * 9.80665),
+        ("0.2 deg/rt-hr", "angle random walk", 0.2 * DEG / 60),
+        ("0.2 deg per square root hour", "angle random walk", 0.2 * DEG / 60),
+        ("2 rad/s^0.5", "angle random walk", 2.0),
+        ("2 m/s^2.5", "acceleration random walk", 2.0),
+        ("0.5 mg rms", "acceleration", 0.5e-3 * 9.80665),
+        ("0.5 mg (1σ)", "acceleration", 0.5e-3 * 9.80665),
+        ("−5 m", "length", -5.0),
         ("800 rpm", "rotational speed", 800 / 60),
     ],
 )
@@ -78,7 +102,16 @@ def test_quantities_as_people_write_them(text, kind, si):
     [
         ("20", "speed", 'has no unit; write for example "20 m/s"'),
         ("20 m", "speed", "is a length; a speed is needed"),
-        ("20 ms/s", "speed", 'did you mean "m/s"'),
+        ("20 m/s·√h", "velocity random walk", "unknown unit"),  # (m/s)·√h or m/(s·√h)
+        ("20 ms^-2", "acceleration", "unknown unit"),  # per square millisecond?
+        ("20 mg p-p", "acceleration", "unknown unit"),
+        ("20 mg (3σ)", "acceleration", "unknown unit"),
+        ("±2 g", "acceleration", "without the sign ±"),
+        ("0.061 mg/LSB", "acceleration", 'as a resolution write "0.061 mg"'),
+        ("16384 LSB/g", "acceleration", 'as a resolution write "6.10352e-05 g"'),
+        ("3 LSB", "acceleration", "a step of the converter is no unit"),
+        ("2 Deg/s", "angular rate", 'did you mean "°/s"'),
+        ("2 µg/Hz", "acceleration noise density", 'did you mean "µg/√Hz"'),
         ("0.2 °/√h", "angular rate noise density", 'write it under "angle_random_walk"'),
         ("nan m", "length", "not a finite number"),
         ("inf m", "length", "not a finite number"),
@@ -99,6 +132,19 @@ def test_every_unit_of_the_table_is_its_own_canonical_spelling():
     for kind in KINDS.values():
         for unit in kind.factors:
             assert canonical_unit(unit) == unit
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
+def test_advice_is_never_wrong_by_a_factor(kind):
+    """A unit in other letters, or with a prefix that the table lacks, and what is advised."""
+    for unit in kind.factors:
+        for wrong in (unit.upper(), unit.title(), f"m{unit}", f"M{unit}", f"k{unit}", f"{unit}x"):
+            if canonical_unit(wrong) in kind.factors:
+                continue
+            with pytest.raises(UnitError) as error:
+                parse(f"1 {wrong}", kind)
+            advice = re.search(r'did you mean "(.*?)"', str(error.value))
+            assert advice is None or advice[1].lower() == unit.lower()
 
 
 def test_units_survive_the_way_out_and_back():
