@@ -315,14 +315,76 @@ def test_noise_densities_from_deviation_and_spectrum_agree():
     assert white_floor(spectrum_of(samples, RATE)) == pytest.approx(1e-3, rel=0.02)
 
 
-def test_ready_parameters_become_a_sensor(tmp_path, capsys):
-    path = tmp_path / "imu.yaml"
-    path.write_text("gyroscope_noise_density: 1.0e-3\ngyroscope_random_walk: 1.0e-4\n")
-    assert exit_code(["characterise", str(path), "--output", str(tmp_path / "out")]) == 0
+IMU_UTILS = """\
+%YAML:1.0
+---
+type: IMU
+Gyr:
+   unit: " rad/s"
+   x-axis: {gyr_n: 1.4e-04, gyr_w: 5.0e-05}
+   y-axis: {gyr_n: 1.5e-04, gyr_w: 5.8e-05}
+   z-axis: {gyr_n: 1.6e-04, gyr_w: 6.6e-05}
+Acc:
+   unit: " m/s^2"
+   x-axis: {acc_n: 1.9e-03, acc_w: 2.0e-04}
+   y-axis: {acc_n: 2.3e-03, acc_w: 2.0e-04}
+   z-axis: {acc_n: 1.8e-03, acc_w: 2.0e-04}
+"""
+
+
+def test_ready_parameters_become_a_sensor_as_convert_makes_it(tmp_path, capsys):
+    """One reader: the same file has one answer, and that a sensor file."""
+    path = tmp_path / "imu_param.yaml"
+    path.write_text(IMU_UTILS, encoding="utf-8")
+    out = ["--output", str(tmp_path / "out")]
+    told = ["--noise-convention", "continuous", "--walk-convention", "allan-minimum"]
+    assert exit_code(["characterise", str(path), *out, *told]) == 0
     assert "two-sided" in capsys.readouterr().out
-    block = loaded(tmp_path / "out" / "sensor.yaml")["gyroscope"]
-    assert parse(block["angle_random_walk"], KINDS["angle random walk"]) == pytest.approx(1e-3)
-    assert parse(block["rate_random_walk"], KINDS["rate random walk"]) == pytest.approx(1e-4)
+    sensor = loaded(tmp_path / "out" / "sensor.yaml")
+    asked = ["--assume", "n=continuous", "--assume", "w=allan_minimum", "--to", "allan"]
+    assert exit_code(["convert", str(path), *asked]) == 0
+    converted = YAML(typ="safe").load(capsys.readouterr().out)
+    assert {key: sensor[key] for key in converted} == converted
+    assert "imu_param.yaml" in sensor["source"]
+    floor = math.sqrt(2.0 * math.log(2.0) / math.pi)
+    b = parse(sensor["gyroscope"]["bias_instability"][0], KINDS["angular rate"])
+    assert b == pytest.approx(5.0e-5 / floor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "message"),
+    [
+        (IMU_UTILS, [], "--assume n=continuous"),
+        (IMU_UTILS, ["--assume", "n=per_sample", "--assume", "w=ignore"], "--rate"),
+        (IMU_UTILS.replace("Acc:", "Mag:"), [], "Mag: is not known here"),
+        ("gyroscope_noise_density: 1.0e-3\n", [], "accelerometer_noise_density: is missing"),
+        ("case: planar\n", [], "none of the known dialects"),
+        ("Gyr:\n   u", [], "is missing"),
+    ],
+)
+def test_ready_parameters_are_refused_in_the_same_words(tmp_path, capsys, text, arguments, message):
+    path = tmp_path / "imu.yaml"
+    path.write_text(text, encoding="utf-8")
+    folder = tmp_path / "out"
+    assert exit_code(["characterise", str(path), "--output", str(folder), *arguments]) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert not folder.exists()
+    assert exit_code(["convert", str(path), *arguments]) == 2
+    assert capsys.readouterr().err == said
+
+
+def test_rates_of_ready_parameters_take_their_unit(tmp_path, capsys):
+    path = tmp_path / "imu_param.yaml"
+    path.write_text(IMU_UTILS, encoding="utf-8")
+    arguments = ["characterise", str(path), "--assume", "n=per_sample", "--assume", "w=ignore"]
+    for rate in ("400", "400 Hz", "0.4 kHz"):
+        out = ["--output", str(tmp_path / rate)]
+        assert exit_code([*arguments, *out, "--rate", rate]) == 0
+        block = loaded(tmp_path / rate / "sensor.yaml")["gyroscope"]
+        n = parse(block["angle_random_walk"][0], KINDS["angle random walk"])
+        assert n == pytest.approx(1.4e-4 / 20.0)
+    assert exit_code([*arguments, *out, "--rate", "-1"]) == 2
 
 
 @pytest.mark.parametrize(

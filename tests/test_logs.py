@@ -11,7 +11,6 @@ import pytest
 from mcsim.characterisation.findings import check_length
 from mcsim.errors import InputError
 from mcsim.logs import ReadOptions, read_log
-from mcsim.logs.parameters import read_parameters
 from mcsim.units import STANDARD_GRAVITY
 
 RATE, ROWS = 100.0, 400
@@ -312,63 +311,3 @@ def test_files_that_cannot_be_read(tmp_path):
     (tmp_path / "a.bag").write_bytes(b"no bag")
     with pytest.raises(InputError, match="not a bag"):
         read_log(tmp_path / "a.bag")
-
-
-KALIBR = """\
-rostopic: /imu0
-update_rate: 200.0
-accelerometer_noise_density: 1.86e-03
-accelerometer_random_walk: 4.33e-04
-gyroscope_noise_density: 1.87e-04
-gyroscope_random_walk: 2.66e-05
-"""
-IMU_UTILS = """\
-%YAML:1.0
----
-type: IMU
-Gyr:
-   unit: " rad/s"
-   avg-axis: {gyr_n: 1.5e-04, gyr_w: 5.8e-05}
-   x-axis: {gyr_n: 1.4e-04, gyr_w: 5.0e-05}
-   z-axis: {gyr_n: 1.6e-04, gyr_w: 6.6e-05}
-"""
-
-
-def test_kalibr_parameters(tmp_path):
-    path = tmp_path / "imu.yaml"
-    for text in (KALIBR, "imu0:\n" + "".join(f"  {line}\n" for line in KALIBR.splitlines())):
-        path.write_text(text, encoding="utf-8")
-        found = read_parameters(path)
-        assert found.values["accelerometer"][""] == {"N": 1.86e-3, "K": 4.33e-4}
-        assert found.values["gyroscope"][""] == {"N": 1.87e-4, "K": 2.66e-5}
-        assert found.rate == 200.0
-
-
-def test_imu_utils_parameters_are_not_guessed(tmp_path):
-    path = tmp_path / "imu_param.yaml"
-    path.write_text(IMU_UTILS, encoding="utf-8")
-    with pytest.raises(InputError, match=r"--noise-convention.*and --walk-convention"):
-        read_parameters(path)
-    with pytest.raises(InputError, match="needs the sampling rate"):
-        read_parameters(path, None, "discrete", "ignore")
-    found = read_parameters(path, None, "continuous", "allan-minimum").values["gyroscope"]
-    assert found["x"]["N"] == 1.4e-4
-    assert found["x"]["B"] == pytest.approx(5.0e-5 / np.sqrt(2 * np.log(2) / np.pi), rel=1e-3)
-    found = read_parameters(path, 400.0, "discrete", "random-walk").values["gyroscope"]
-    assert found[""] == {"N": 1.5e-4 / 20.0, "K": 5.8e-5}
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "is empty"),
-        ("a: 1\nb: 2\n", "neither Kalibr"),
-        ("a: [", "not YAML"),
-        (KALIBR.replace("1.86e-03", "much"), "a positive number is needed"),
-    ],
-)
-def test_bad_parameter_files(tmp_path, text, message):
-    path = tmp_path / "imu.yaml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=message):
-        read_parameters(path)

@@ -15,7 +15,6 @@ from mcsim.characterisation.comparison import DECIDES
 from mcsim.characterisation.fit import NoiseFit
 from mcsim.characterisation.problem import TERMS
 from mcsim.logs.model import ACCELEROMETER, GYROSCOPE
-from mcsim.logs.parameters import Parameters
 from mcsim.units import KINDS, density_from_random_walk, in_unit
 from mcsim.version import __version__
 
@@ -77,26 +76,6 @@ def sensor_file(found: Characterisation) -> str:
             "not show counts as 0 there. `fit` holds the intervals and what was found.",
         ],
     )
-
-
-def parameter_file(parameters: Parameters, name: str) -> str:
-    """The YAML text of ready parameters."""
-    document: dict[str, Any] = {
-        "description": f"parameters of {name}",
-        "origin": "measured",
-        "source": f"{parameters.kind} {name}",
-    }
-    for element, axes in parameters.values.items():
-        per_axis = {axis: _terms(element, terms) for axis, terms in axes.items() if axis}
-        whole = axes.get("")
-        if per_axis:
-            # The root mean square, whatever the file's own average is.
-            whole = _root_mean_squares([terms for axis, terms in axes.items() if axis])
-        block = _terms(element, whole or {})
-        if parameters.rate is not None:
-            block["rate"] = f"{parameters.rate:.6g} Hz"
-        document[element] = block | ({"axes": per_axis} if per_axis else {})
-    return _text(document, [CONVENTION, *parameters.notes])
 
 
 def _element(element: str, results: list[ChannelResult], rate: float) -> dict[str, Any]:

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
+from mcsim.cli.dialect_options import DialectName, Hertz, answers
 from mcsim.errors import InputError
 
 if TYPE_CHECKING:
     from mcsim.characterisation.analysis import Characterisation, Settings
     from mcsim.characterisation.fit import Intervals
-    from mcsim.logs.parameters import Parameters
+    from mcsim.dialects import Reading
 
 _ENDINGS = (".gz", ".xz", ".bz2", ".csv", ".txt", ".yaml", ".yml", ".bag", ".mcap", ".db3")
 
 
 @click.command()
 @click.argument("log", type=click.Path(path_type=Path))
-@click.option("--rate", type=float, metavar="HZ", help="Sampling rate of a log without time.")
+@click.option("--rate", type=Hertz(), metavar="HZ", help="Sampling rate of a log without time.")
 @click.option(
     "--columns",
     help="What the columns are: time, accel_x … gyro_z in order (- skips one), or accel_x=TITLE,….",
@@ -49,14 +50,26 @@ _ENDINGS = (".gz", ".xz", ".bz2", ".csv", ".txt", ".yaml", ".yml", ".bag", ".mca
     help="Of N, B and K: from blocks of the log, or from the noise that was fitted.",
 )
 @click.option(
+    "--from",
+    "dialect",
+    type=DialectName("READABLE"),
+    help="Dialect of ready parameters; recognised if absent.",
+)
+@click.option(
+    "--assume",
+    multiple=True,
+    metavar="KEY=MEANING",
+    help="Answer to what ready parameters leave open, as in mcsim convert.",
+)
+@click.option(
     "--noise-convention",
     type=click.Choice(["continuous", "discrete"]),
-    help="imu_utils: *_n is Allan's N, or N √rate.",
+    help="imu_utils: --assume n=continuous (Allan's N), or n=per_sample (N √rate).",
 )
 @click.option(
     "--walk-convention",
     type=click.Choice(["allan-minimum", "random-walk", "ignore"]),
-    help="imu_utils: *_w is the Allan deviation's minimum, or Allan's K.",
+    help="imu_utils: --assume w=allan_minimum, random_walk (Allan's K) or ignore.",
 )
 @click.option(
     "--output",
@@ -76,8 +89,10 @@ def characterise(
     non_overlapping: bool,
     confidence: str,
     intervals: Intervals,
-    noise_convention: Any,
-    walk_convention: Any,
+    dialect: str | None,
+    assume: tuple[str, ...],
+    noise_convention: str | None,
+    walk_convention: str | None,
     output: Path | None,
     quiet: bool,
 ) -> None:
@@ -85,20 +100,14 @@ def characterise(
 
     LOG is a CSV file (plain, .gz, .xz) with units in its header, a folder of EuRoC,
     TUM-VI or gnss-ins-sim, a ROS bag or MCAP file (extra mcsim[bags]), or ready
-    parameters: Kalibr's imu.yaml or a result of imu_utils.
+    parameters in any dialect that mcsim convert reads.
 
     Noise: N is Allan's (two-sided); a data sheet's one-sided density is √2 N.
     """
-    from mcsim.logs.parameters import ENDINGS
-
     folder = output or Path("output") / _stem(log)
-    if log.suffix.lower() in ENDINGS:
-        from mcsim.logs.parameters import read_parameters
-
-        found = read_parameters(log, rate, noise_convention, walk_convention)
-        file = _write_parameters(found, log, folder)
-        if not quiet:
-            click.echo("\n".join([*found.notes, str(file)]))
+    if _is_parameters(log):
+        given = _conventions(noise_convention, walk_convention) | answers(assume)
+        _parameters(log, dialect, given, rate, folder, quiet)
         return
 
     from mcsim.characterisation.analysis import characterise as analyse
@@ -149,10 +158,56 @@ def _settings(
     )
 
 
-def _write_parameters(found: Parameters, log: Path, folder: Path) -> Path:
-    from mcsim.characterisation.sensor_file import parameter_file
+def _is_parameters(log: Path) -> bool:
+    from mcsim.dialects import ENDINGS
 
-    return _write_texts(folder, {"sensor.yaml": parameter_file(found, log.name)})[0]
+    return log.suffix.lower() in ENDINGS
+
+
+_WHITE = {"continuous": "continuous", "discrete": "per_sample"}
+
+
+def _conventions(noise: str | None, walk: str | None) -> dict[str, str]:
+    """The two options for imu_utils as answers to its questions."""
+    given = {"n": _WHITE[noise]} if noise is not None else {}
+    return given | ({"w": walk.replace("-", "_")} if walk is not None else {})
+
+
+def _parameters(
+    log: Path,
+    dialect: str | None,
+    given: dict[str, str],
+    rate: float | None,
+    folder: Path,
+    quiet: bool,
+) -> None:
+    """Ready parameters, read as ``mcsim convert`` reads them, as a sensor file."""
+    from mcsim.dialects import Assumptions, read_file, write_sensor
+
+    if rate is not None and not 0.0 < rate < float("inf"):
+        raise InputError(f"--rate {rate:g} must be above zero")
+    assumptions = Assumptions(given, rate)
+    reading = read_file(log, dialect, assumptions)
+    text = write_sensor(reading.description, "allan", assumptions)
+    file = _write_texts(folder, {"sensor.yaml": _with_origin(text, reading, log)})[0]
+    if not quiet:
+        notes = [f"note: {note}" for note in reading.notes]
+        click.echo("\n".join([*notes, _told(text), str(file)]))
+
+
+def _with_origin(text: str, reading: Reading, log: Path) -> str:
+    """The sensor file with a line for each note and where it comes from."""
+    from mcsim.version import __version__
+
+    head = [f"Written by mcsim {__version__}.", *(f"Note: {note}" for note in reading.notes)]
+    source = log.name.replace("\\", "\\\\").replace('"', '\\"')
+    return "".join(f"# {line}\n" for line in head) + text + f'source: "parameters of {source}"\n'
+
+
+def _told(text: str) -> str:
+    """The convention: the comment that the dialect begins with."""
+    lines = [line[2:] for line in text.splitlines() if line.startswith("# ")]
+    return " ".join(lines)
 
 
 def _write(result: Characterisation, folder: Path) -> list[Path]:

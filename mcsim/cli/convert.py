@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mcsim.cli.dialect_options import DialectName, answers
 from mcsim.errors import InputError
 
 if TYPE_CHECKING:
     from mcsim.dialects import Assumptions, Description
 
-_READABLE = ("mcsim", "kalibr", "matlab", "gnss-ins-sim", "kf-gins", "imu_utils")
-_WRITABLE = ("mcsim", "datasheet", "allan", "kalibr", "matlab", "gnss-ins-sim", "kf-gins")
-_LARGEST_FILE = 1 << 20
 _NEGATIVE = re.compile(r"-\.?\d")
 
 
@@ -35,8 +33,8 @@ class _Command(click.Command):
 
 @click.command(cls=_Command)
 @click.argument("given", metavar="QUANTITY|FILE|SENSOR")
-@click.option("--from", "source", type=click.Choice(_READABLE), help="Recognised if absent.")
-@click.option("--to", "target", type=click.Choice(_WRITABLE), help="All of them if absent.")
+@click.option("--from", "source", type=DialectName("READABLE"), help="Recognised if absent.")
+@click.option("--to", "target", type=DialectName("WRITABLE"), help="All of them if absent.")
 @click.option(
     "--as", "role", metavar="KEY", help="What a quantity is, where its unit does not say."
 )
@@ -72,7 +70,7 @@ def convert(
         raise InputError(f'--rate "{rate}" must be above zero')
     if not given.strip():
         raise InputError("name a file, a sensor or a quantity such as '0.2 °/√h'")
-    assumptions = Assumptions(_answers(assume), hertz, axis)
+    assumptions = Assumptions(answers(assume), hertz, axis)
     if not _is_file(given) and _begins_with_number(given):
         click.echo(_quantity(given, role, hertz, target))
         return
@@ -91,16 +89,6 @@ def _begins_with_number(given: str) -> bool:
     return given.strip()[:1] in set("0123456789.+-")
 
 
-def _answers(assume: tuple[str, ...]) -> dict[str, str]:
-    answers = {}
-    for text in assume:
-        key, equals, meaning = text.partition("=")
-        if not equals:
-            raise InputError(f'--assume "{text}": write key=meaning, for example n=continuous')
-        answers[key.strip()] = meaning.strip()
-    return answers
-
-
 def _quantity(given: str, role: str | None, rate: float | None, target: str | None) -> str:
     from mcsim.cli.tables import columns
     from mcsim.dialects.quantity import convert_quantity
@@ -115,13 +103,13 @@ def _quantity(given: str, role: str | None, rate: float | None, target: str | No
 def _sensor(given: str, source: str | None, assumptions: Assumptions) -> Description:
     """The description behind a file's name or a built-in sensor's."""
     from mcsim import catalogue
-    from mcsim.dialects import describe_file, read_sensor
+    from mcsim.dialects import describe_file, read_file
     from mcsim.scenario.document import Document
     from mcsim.scenario.sensor_file import SensorFile
     from mcsim.scenario.validation import validate
 
     if _is_file(given):
-        reading = read_sensor(_text(Path(given)), given, source, assumptions)
+        reading = read_file(Path(given), source, assumptions)
         for note in reading.notes:
             click.echo(f"note: {note}", err=True)
         return reading.description
@@ -134,30 +122,13 @@ def _sensor(given: str, source: str | None, assumptions: Assumptions) -> Descrip
     return describe_file(validate(Document(tree, sensor.name), SensorFile))
 
 
-def _text(path: Path) -> str:
-    try:
-        if path.is_dir():
-            raise InputError(f"{path}: is a directory; name a sensor file")
-        with path.open("rb") as file:
-            content = file.read(_LARGEST_FILE + 1)
-        if len(content) > _LARGEST_FILE:
-            raise InputError(f"{path}: larger than {_LARGEST_FILE >> 20} MiB; not a sensor file")
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: not UTF-8 text (byte {error.start}); save the file as UTF-8"
-        ) from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
-
-
 def _written(sensor: Description, target: str | None, assumptions: Assumptions) -> str:
-    from mcsim.dialects import write_sensor
+    from mcsim.dialects import WRITABLE, write_sensor
 
     if target is not None:
         return write_sensor(sensor, target, assumptions)
     parts = []
-    for name in _WRITABLE:
+    for name in WRITABLE:
         try:
             parts.append(f"# --to {name}\n{write_sensor(sensor, name, assumptions)}")
         except InputError as error:

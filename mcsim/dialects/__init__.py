@@ -5,19 +5,34 @@ that any converts to any other.  The trap that they share is a factor of √2: a
 sheet's noise density is one-sided, ``ND² fs / 2`` is the variance of one sample; the
 white noise coefficient N of Allan analysis, and most tools' "noise density", belongs to a
 two-sided density, ``N² fs``.  Each dialect says in ``convention`` which it means, and what
-was established from.  What a dialect leaves open is asked, never guessed.
+was established from.  What a dialect leaves open is asked, never guessed; what its reader
+does not understand is named, never passed over.
 """
 
 from mcsim.dialects.description import Assumptions, Description, Reading, describe_file
-from mcsim.dialects.registry import DIALECTS, Dialect, read_sensor, recognise, write_sensor
+from mcsim.dialects.dialect import Dialect
+from mcsim.dialects.registry import (
+    DIALECTS,
+    ENDINGS,
+    READABLE,
+    WRITABLE,
+    read_file,
+    read_sensor,
+    recognise,
+    write_sensor,
+)
 
 __all__ = [
     "DIALECTS",
+    "ENDINGS",
+    "READABLE",
+    "WRITABLE",
     "Assumptions",
     "Description",
     "Dialect",
     "Reading",
     "describe_file",
+    "read_file",
     "read_sensor",
     "recognise",
     "write_sensor",

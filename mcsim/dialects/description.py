@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from mcsim.errors import InputError
 from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors
 from mcsim.scenario.sensor_file import SensorFile
+from mcsim.units import Kind, parse
 
 Values = tuple[float, ...]
 Quantities = Mapping[str, Values]
@@ -67,6 +68,22 @@ class Assumptions:
         wrong = f' ("{given}" is none of them)' if given is not None else ""
         raise InputError(f"{question}; say which{wrong}:\n{options}")
 
+    def quantity(self, key: str, why: str, kind: Kind, example: str) -> float:
+        """The SI value above zero that was given to ``key``.
+
+        Raises
+        ------
+        InputError
+            It was not given, or is no such quantity; ``why`` says what needs it.
+        """
+        given = self.answers.get(key)
+        if given is None:
+            raise InputError(f"{why}; state it, for example --assume '{key}={example}'")
+        value = parse(given, kind)
+        if value <= 0.0:
+            raise InputError(f"--assume {key}={given}: must be above zero")
+        return value
+
     def required_rate(self, why: str) -> float:
         """The sampling rate (Hz).
 
@@ -92,7 +109,7 @@ class Assumptions:
         if self.axis == "largest":
             return max(values)
         if self.axis in AXES:
-            return values[AXES.index(self.axis)]
+            return three(values)[AXES.index(self.axis)]
         shown = " / ".join(f"{value:.4g}" for value in values)
         raise InputError(
             f"{what} differs between the axes ({shown}), and this dialect has one value for all; "

@@ -1,17 +1,20 @@
 """gnss-ins-sim's accuracy dictionary (Python).
 
-Its source adds white noise of ``vrw / √dt``: Allan's N.  The bias drift is documented as a
-stability with a correlation time, but simulated as ``x += -x dt/Tc + b dt w`` from zero, so
-that its stationary deviation is ``b dt / √(1 - (1 - dt/Tc)²)``, about b √(dt Tc / 2), and
-depends on the rate; an infinite time gives white noise of deviation b per sample.
+Its source (``pathgen.bias_drift``) adds white noise of ``vrw / √dt``: Allan's N.  The bias is a
+first-order Gauss-Markov process, ``x += -x dt/Tc + b √(1 - exp(-2 dt/Tc)) w``, which begins at
+zero: its stationary deviation is b within dt / (4 Tc).  Versions before 20 February 2021 had
+``x += -x dt/Tc + b dt w``, whose stationary deviation ``b dt / √(1 - (1 - dt/Tc)²)``, about
+b √(dt Tc / 2), depends on the rate.  An infinite time gives white noise of deviation b per
+sample, in both.
 """
 
 from __future__ import annotations
 
-import ast
 import math
-import warnings
+import re
 
+from mcsim.dialects.arithmetic import Value
+from mcsim.dialects.bias import process_of
 from mcsim.dialects.description import (
     CORRELATION_TIME,
     DEVIATION,
@@ -23,68 +26,115 @@ from mcsim.dialects.description import (
     three,
     two_sided,
 )
-from mcsim.dialects.foreign import Term, element_or_refuse, plain_numbers, without_words
+from mcsim.dialects.dialect import Dialect
+from mcsim.dialects.foreign import (
+    element_or_refuse,
+    plain_numbers,
+    refuse_unknown,
+    without_words,
+)
 from mcsim.dialects.numbers import number
+from mcsim.dialects.python_text import Entry, dictionary_with
+from mcsim.dialects.terms import terms_of
 from mcsim.errors import InputError
 
 CONVENTION = (
-    "gyro_arw and accel_vrw are two-sided, Allan's N; b_stability (b_drift) with b_corr is called "
-    "a stability, but simulated with b dt as the driving noise (source, pathgen.bias_drift)"
+    "gyro_arw and accel_vrw are two-sided, Allan's N; b_stability (b_drift) with b_corr is the "
+    "stationary deviation of a Gauss-Markov process (source, pathgen.bias_drift, since February "
+    "2021; before, the driving noise b dt)"
 )
-TERMS = (
-    Term("gyro_arw", "gyroscope", "angle_random_walk", "°/√h"),
-    Term("gyro_b_stability", "gyroscope", DEVIATION, "°/h"),
-    Term("gyro_b_corr", "gyroscope", CORRELATION_TIME, "s"),
-    Term("accel_vrw", "accelerometer", "velocity_random_walk", "m/s/√h"),
-    Term("accel_b_stability", "accelerometer", DEVIATION, "m/s²"),
-    Term("accel_b_corr", "accelerometer", CORRELATION_TIME, "s"),
+TERMS = terms_of(
+    "gnss-ins-sim",
+    ("gyro_arw", "gyroscope", "angle_random_walk", "°/√h"),
+    ("gyro_b_stability", "gyroscope", DEVIATION, "°/h"),
+    ("gyro_b_corr", "gyroscope", CORRELATION_TIME, "s"),
+    ("accel_vrw", "accelerometer", "velocity_random_walk", "m/s/√h"),
+    ("accel_b_stability", "accelerometer", DEVIATION, "m/s²"),
+    ("accel_b_corr", "accelerometer", CORRELATION_TIME, "s"),
 )
 _PREFIX = {"gyroscope": "gyro", "accelerometer": "accel"}
+_KNOWN = (
+    *(term.name for term in TERMS),
+    *(f"{prefix}_{name}" for prefix in _PREFIX.values() for name in ("b", "b_drift")),
+    *("mag_std", "mag_si", "mag_hi"),
+)
 _CHOICES = {
-    "deviation": "the deviation of the bias, as the documentation suggests",
-    "driving": "what the program simulates with it: driving noise b dt per sample (needs --rate)",
+    "deviation": "the deviation of the bias, as gnss-ins-sim simulates it since February 2021",
+    "driving": "the driving noise b dt per sample, as it did before (needs --rate)",
 }
-_QUESTION = "gnss-ins-sim's b_stability means one thing by its name and another in its code"
+#: Correlation time (s) that is written beside a bias of zero.
+_UNUSED_TIME = 100.0
+_QUESTION = "gnss-ins-sim's b_stability has changed its meaning"
+
+
+def _is_driving(assumptions: Assumptions) -> bool:
+    """Whether the program is an old one; if unsaid, today's, which does what its names say."""
+    if "b_stability" not in assumptions.answers:
+        return False
+    return assumptions.answer("b_stability", _QUESTION, _CHOICES) == "driving"
+
+
+def recognises(text: str) -> bool:
+    """The gyroscope's random walk under its name there."""
+    return bool(re.search(r"(?m)^[^#\n]*(['\"]gyro_arw['\"]\s*:|\bgyro_arw\s*=)", text))
 
 
 def read(text: str, source: str, assumptions: Assumptions) -> Reading:
-    """The dictionary, as it stands in a Python file (``np.array`` or lists).
+    """The dictionary, as it stands in a Python file (``np.array``, lists, plain arithmetic).
 
     Raises
     ------
     InputError
-        No such dictionary, a missing or odd value, an unanswered question.
+        No such dictionary; a missing, unknown or odd value; a question.
     """
-    given = _dictionary(text, source)
+    given = dictionary_with(text, source, "gyro_arw")
+    for name, known in given.items():
+        refuse_unknown(name, _KNOWN, known.place.removesuffix(f": {name}"))
     elements: dict[str, dict[str, Values]] = {"gyroscope": {}, "accelerometer": {}}
     for term in TERMS:
-        name = term.name
-        if name not in given and name.replace("b_stability", "b_drift") in given:
-            name = name.replace("b_stability", "b_drift")
-        if name not in given:
+        entry = _entry(given, term.name, source)
+        if entry is None:
             if term.key == RANDOM_WALK[term.element]:
-                raise InputError(f"{source}: {name}: is missing")
+                raise InputError(f"{source}: {term.name}: is missing")
             continue
-        values = plain_numbers(_finite(given[name]), f"{source}: {name}")
+        values = plain_numbers(_finite(entry.value()), entry.place)
         elements[term.element][term.key] = tuple(value * term.si for value in values)
     notes = []
     for element, quantities in elements.items():
         elements[element] = _bias(quantities, element, source, assumptions)
-        if _nonzero(given.get(f"{_PREFIX[element]}_b")):
+        if DEVIATION in elements[element] and "b_stability" not in assumptions.answers:
+            notes.append(
+                f"{_PREFIX[element]}_b_stability taken as the deviation of the bias; of versions "
+                "before February 2021 say --assume b_stability=driving"
+            )
+        constant = given.get(f"{_PREFIX[element]}_b")
+        if constant is not None and _nonzero(constant):
             notes.append(f"{_PREFIX[element]}_b, a known constant bias, is not carried over")
-    return Reading(Description(None, assumptions.rate, elements), tuple(notes))
+    return Reading(Description(None, None, elements), tuple(notes))
 
 
-def _nonzero(value: object) -> bool:
-    """Whether a number or a list holds anything but zeros."""
-    return any(value) if isinstance(value, list) else bool(value)
+def _entry(given: dict[str, Entry], name: str, source: str) -> Entry | None:
+    """An item, or the one under the name that older versions had."""
+    former = name.replace("b_stability", "b_drift")
+    if former != name and name in given and former in given:
+        raise InputError(f"{source}: {name} and {former} say the same thing twice; keep one")
+    return given.get(name, given.get(former))
 
 
-def _finite(value: object) -> object:
+def _nonzero(entry: Entry) -> bool:
+    """Whether it holds anything but zeros, or is not to be told."""
+    try:
+        value = entry.value()
+    except InputError:
+        return True
+    return any(value) if isinstance(value, tuple) else bool(value)
+
+
+def _finite(value: Value) -> Value:
     """Infinite correlation times are dealt with apart."""
-    items = value if isinstance(value, list) else [value]
-    finite = [0.0 if item == math.inf else item for item in items]
-    return finite if isinstance(value, list) else finite[0]
+    if isinstance(value, tuple):
+        return tuple(0.0 if item == math.inf else item for item in value)
+    return 0.0 if value == math.inf else value
 
 
 def _bias(
@@ -105,49 +155,23 @@ def _bias(
             "white noise to every sample, which is no bias: add it to the random walk "
             "(N² + b²/fs) and set b_stability to zero, or give a finite time"
         )
-    if assumptions.answer("b_stability", _QUESTION, _CHOICES) == "driving":
+    if _is_driving(assumptions):
         rate = assumptions.required_rate("the driving noise of gnss-ins-sim depends on the rate")
-        drift = tuple(b * _gain(tc, rate) for b, tc in zip(three(drift), three(time), strict=True))
+        drift = tuple(
+            b * _gain(tc, rate, f"{source}: {name}")
+            for b, tc in zip(three(drift), three(time), strict=True)
+        )
         if len(set(drift)) == 1:
             drift = drift[:1]
     return {**quantities, DEVIATION: drift, CORRELATION_TIME: time}
 
 
-def _gain(correlation_time: float, rate: float) -> float:
-    """Stationary deviation of gnss-ins-sim's recursion over its parameter."""
+def _gain(correlation_time: float, rate: float, name: str) -> float:
+    """Stationary deviation of the recursion before 2021 over its parameter."""
     step = 1.0 / rate
+    if not 2.0 * correlation_time > step:
+        raise InputError(f"{name}: {correlation_time:g} s is too short for a rate of {rate:g} Hz")
     return step / math.sqrt(1.0 - (1.0 - step / correlation_time) ** 2)
-
-
-def _dictionary(text: str, source: str) -> dict[str, object]:
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SyntaxWarning)
-            tree = ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        line = getattr(error, "lineno", None)
-        raise InputError(f"{source}:{line or 1}: not Python text") from None
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Dict):
-            keys = [key.value for key in node.keys if isinstance(key, ast.Constant)]
-            if len(keys) == len(node.keys) and "gyro_arw" in keys:
-                items = zip(keys, node.values, strict=True)
-                return {str(key): _literal(value, source) for key, value in items}
-    raise InputError(f"{source}: no dictionary with a `gyro_arw` in it")
-
-
-def _literal(node: ast.expr, source: str) -> object:
-    if isinstance(node, ast.Call) and node.args:  # np.array([...]), float("inf")
-        node = node.args[0]
-    if isinstance(node, ast.List | ast.Tuple):
-        return [_literal(item, source) for item in node.elts]
-    try:
-        value = ast.literal_eval(node)
-    except (ValueError, TypeError):
-        raise InputError(
-            f"{source}:{node.lineno}: only plain numbers and np.array are read here"
-        ) from None
-    return math.inf if value == "inf" else value
 
 
 def write(sensor: Description, assumptions: Assumptions) -> str:
@@ -159,14 +183,26 @@ def write(sensor: Description, assumptions: Assumptions) -> str:
         An element is missing, or an unanswered question.
     """
     lines = []
+    carried = [*RANDOM_WALK.values(), "noise_density", DEVIATION, CORRELATION_TIME]
     for element in ("gyroscope", "accelerometer"):
         quantities = element_or_refuse(sensor, element, "gnss-ins-sim")
         lines.append(f"    '{_PREFIX[element]}_b': np.array([0.0, 0.0, 0.0]),")
-        drift = three(quantities.get(DEVIATION, (0.0,)))
-        time = three(quantities.get(CORRELATION_TIME, (100.0,)))
-        if any(drift) and assumptions.answer("b_stability", _QUESTION, _CHOICES) == "driving":
+        tool = f"gnss-ins-sim's {_PREFIX[element]}_b_stability"
+        process = process_of(quantities, element, tool, assumptions)
+        drift: Values = (0.0,) * 3
+        time: Values = (_UNUSED_TIME,) * 3
+        origin = ""
+        if process is not None:
+            drift = process.deviation
+            time = process.time if any(drift) else time
+            origin = f", {process.origin}" if process.origin else ""
+            carried += ["bias_instability"] if origin else []
+        if any(drift) and _is_driving(assumptions):
             rate = sensor.rate or assumptions.required_rate("the driving noise depends on the rate")
-            drift = tuple(b / _gain(tc, rate) for b, tc in zip(drift, time, strict=True))
+            drift = tuple(
+                b / _gain(tc, rate, f"{element}: {CORRELATION_TIME}")
+                for b, tc in zip(drift, time, strict=True)
+            )
         held = {
             RANDOM_WALK[element]: three(two_sided(quantities, element) or (0.0,)),
             DEVIATION: drift,
@@ -175,7 +211,19 @@ def write(sensor: Description, assumptions: Assumptions) -> str:
         for term in TERMS:
             if term.element == element:
                 texts = ", ".join(number(value / term.si) for value in held[term.key])
-                lines.append(f"    '{term.name}': np.array([{texts}]),  # {term.unit}")
-    carried = [*RANDOM_WALK.values(), "noise_density", DEVIATION, CORRELATION_TIME]
+                remark = term.unit + (origin if term.key == DEVIATION else "")
+                lines.append(f"    '{term.name}': np.array([{texts}]),  # {remark}")
     head = [*without_words(sensor, carried), "import numpy as np", "", "imu_err = {"]
     return "\n".join([*head, *lines, "}"]) + "\n"
+
+
+DIALECT = Dialect(
+    "gnss-ins-sim",
+    "gnss-ins-sim accuracy dictionary",
+    CONVENTION,
+    recognises,
+    read,
+    write,
+    terms=TERMS,
+    ending=".py",
+)

@@ -7,7 +7,7 @@ density.  The bias is a Wiener process of increments ``σ_b √Δt``: σ_b is Al
 
 from __future__ import annotations
 
-import math
+import re
 
 from mcsim.dialects.description import (
     BIAS_WALK,
@@ -18,48 +18,77 @@ from mcsim.dialects.description import (
     Values,
     two_sided,
 )
+from mcsim.dialects.dialect import Dialect
 from mcsim.dialects.foreign import (
-    Term,
     element_or_refuse,
+    foreign_document,
+    one_number,
     plain_numbers,
     required,
+    within,
     without_words,
 )
 from mcsim.dialects.numbers import number
+from mcsim.dialects.terms import terms_of
 from mcsim.errors import InputError
-from mcsim.scenario.document import parse_document
+from mcsim.scenario.document import Document
 
 CONVENTION = (
     "*_noise_density is two-sided, Allan's N, variance σ² / Δt per sample, "
     "a data sheet's density over √2; *_random_walk is Allan's K (Kalibr wiki, IMU Noise Model)"
 )
-TERMS = (
-    Term("accelerometer_noise_density", "accelerometer", "velocity_random_walk", "m/s²/√Hz"),
-    Term("accelerometer_random_walk", "accelerometer", "acceleration_random_walk", "m/s³/√Hz"),
-    Term("gyroscope_noise_density", "gyroscope", "angle_random_walk", "rad/s/√Hz"),
-    Term("gyroscope_random_walk", "gyroscope", "rate_random_walk", "rad/s²/√Hz"),
+TERMS = terms_of(
+    "Kalibr",
+    ("accelerometer_noise_density", "accelerometer", "velocity_random_walk", "m/s²/√Hz"),
+    ("accelerometer_random_walk", "accelerometer", "acceleration_random_walk", "m/s³/√Hz"),
+    ("gyroscope_noise_density", "gyroscope", "angle_random_walk", "rad/s/√Hz"),
+    ("gyroscope_random_walk", "gyroscope", "rate_random_walk", "rad/s²/√Hz"),
 )
+_NAMES = {term.name for term in TERMS}
 
 
-def read(text: str, source: str, _: Assumptions) -> Reading:
-    """An ``imu.yaml``, or the ``imu0`` block of a calibration result.
+def recognises(text: str) -> bool:
+    """A noise density under its name there, outside of comments."""
+    return bool(re.search(r"(?m)^[^#\n]*\b(accelerometer|gyroscope)_noise_density\b", text))
+
+
+def read(text: str, source: str, assumptions: Assumptions) -> Reading:
+    """An ``imu.yaml``, or the one block of a calibration result that holds an IMU.
 
     Raises
     ------
     InputError
-        A parameter is missing or no number.
+        A parameter is missing or no number, or there are several IMUs.
     """
-    document = parse_document(text, source)
-    prefix = ("imu0",) if "imu0" in document.tree else ()
+    document = _block(foreign_document(text, source))
     elements: dict[str, dict[str, Values]] = {"accelerometer": {}, "gyroscope": {}}
     for term in TERMS:
-        value, place = required(document, (*prefix, term.name))
+        value, place = required(document, (term.name,))
         values = plain_numbers(value, place)
         if len(values) != 1:
             raise InputError(f"{place}: Kalibr has one number for all axes")
         elements[term.element][term.key] = (values[0] * term.si,)
-    rate, place = required(document, (*prefix, "update_rate"))
-    return Reading(Description(None, plain_numbers(rate, place)[0], elements))
+    rate = document.tree.get("update_rate")
+    if rate is None and assumptions.rate is None:
+        raise InputError(
+            f"{document.place(())}: update_rate: is missing; write it, or give --rate '200 Hz'"
+        )
+    if rate is not None:
+        rate = one_number(*required(document, ("update_rate",)))
+    return Reading(Description(None, rate, elements))
+
+
+def _block(document: Document) -> Document:
+    """The file itself, or the block in it, such as ``imu0``, that holds the parameters."""
+    blocks = [
+        path
+        for path, block in (((), document.tree), *(((k,), b) for k, b in document.tree.items()))
+        if isinstance(block, dict) and not _NAMES.isdisjoint(block)
+    ]
+    if len(blocks) > 1:
+        names = " and ".join(path[0] if path else "the file itself" for path in blocks)
+        raise InputError(f"{document.source}: {names} hold an IMU each; keep one")
+    return within(document, blocks[0]) if blocks and blocks[0] else document
 
 
 def write(sensor: Description, assumptions: Assumptions) -> str:
@@ -76,23 +105,17 @@ def write(sensor: Description, assumptions: Assumptions) -> str:
         quantities = element_or_refuse(sensor, term.element, "Kalibr")
         is_white = term.key == RANDOM_WALK[term.element]
         values = two_sided(quantities, term.element) if is_white else quantities.get(term.key)
-        if values is None or not all(values):
-            name = "a white noise" if is_white else f"`{BIAS_WALK[term.element]}`, Allan's K,"
-            raise InputError(
-                f"Kalibr needs {name} above zero for the {term.element}; this sensor gives none"
-            )
+        name = "a white noise" if is_white else f"`{BIAS_WALK[term.element]}`, Allan's K,"
+        need = f"Kalibr needs {name} above zero for the {term.element}"
+        if values is None or not any(values):
+            raise InputError(f"{need}; this sensor gives none")
         value = assumptions.one(values, f"{term.element}: {term.key}") / term.si
-        assert math.isfinite(value)
+        if value == 0.0:
+            raise InputError(f"{need}; it is zero on axis {assumptions.axis}, choose another one")
         lines.append(f"{term.name}: {number(value)}  # {term.unit}")
     carried = [*RANDOM_WALK.values(), *BIAS_WALK.values(), "noise_density"]
-    return (
-        "\n".join(
-            [
-                *without_words(sensor, carried),
-                *lines,
-                'rostopic: "/imu0"',
-                f"update_rate: {number(rate)}",
-            ]
-        )
-        + "\n"
-    )
+    lines += ['rostopic: "/imu0"', f"update_rate: {number(rate)}"]
+    return "\n".join([*without_words(sensor, carried), *lines]) + "\n"
+
+
+DIALECT = Dialect("kalibr", "Kalibr imu.yaml", CONVENTION, recognises, read, write, terms=TERMS)

@@ -8,10 +8,12 @@ NoiseDensity is what a data sheet prints.  (The names are the other way round fr
 
 from __future__ import annotations
 
+import math
 import re
 
 from mcsim.dialects.description import (
     BIAS_WALK,
+    ELEMENTS,
     RANDOM_WALK,
     Assumptions,
     Description,
@@ -19,116 +21,171 @@ from mcsim.dialects.description import (
     Values,
     two_sided,
 )
-from mcsim.dialects.foreign import Term, plain_numbers, without_words
+from mcsim.dialects.dialect import Dialect
+from mcsim.dialects.foreign import plain_numbers, without_words
+from mcsim.dialects.matlab_script import FUNCTIONS, Property, Script
 from mcsim.dialects.numbers import number
+from mcsim.dialects.terms import Term
 from mcsim.errors import InputError
 
 CONVENTION = (
     "with NoiseType 'single-sided' NoiseDensity is Allan's N (variance ND² fs per sample); with "
     "'double-sided', the default, it is a data sheet's density (ND² fs / 2)"
 )
-_FUNCTION = {"accelerometer": "accelparams", "gyroscope": "gyroparams"}
+_FUNCTION = {element: function for function, element in FUNCTIONS.items()}
+_SINGLE, _DOUBLE = "single-sided", "double-sided"
+#: Parameters that mcsim has no words for.
+_OTHERS = (
+    "ConstantBias",
+    "AxesMisalignment",
+    "BiasInstabilityCoefficients",
+    "TemperatureBias",
+    "TemperatureScaleFactor",
+    "AccelerationBias",
+)
+#: Of one value for all axes.
+_SCALARS = ("MeasurementRange", "Resolution")
 
 
 def _terms(element: str) -> tuple[Term, ...]:
-    acceleration = element == "accelerometer"
-    unit = "m/s²" if acceleration else "rad/s"
-    walk = "m/s²/√s" if acceleration else "rad/s/√s"
+    tool = f"MATLAB {_FUNCTION[element]}"
+    unit = "m/s²" if element == "accelerometer" else "rad/s"
+    single = f"NoiseType {_SINGLE}"
     return (
-        Term("NoiseDensity", element, RANDOM_WALK[element], f"{unit}/√Hz"),
-        Term("BiasInstability", element, "bias_instability", unit),
-        Term("RandomWalk", element, BIAS_WALK[element], walk),
-        Term("MeasurementRange", element, "range", unit),
-        Term("Resolution", element, "resolution", unit),
+        Term("NoiseDensity", element, RANDOM_WALK[element], f"{unit}/√Hz", tool, single),
+        Term("BiasInstability", element, "bias_instability", unit, tool, single),
+        Term("RandomWalk", element, BIAS_WALK[element], f"{unit}/√s", tool, single),
+        Term("MeasurementRange", element, "range", unit, tool),
+        Term("Resolution", element, "resolution", unit, tool),
     )
 
 
-_CALL = r"{}\s*\(((?:[^()']|'[^']*'|\([^()]*\))*)\)"
-_PAIR = re.compile(r"['\"]?(\w+)['\"]?\s*[,=]\s*(\[[^\]]*\]|'[^']*'|\"[^\"]*\"|[-+\w.]+)\s*(?:,|$)")
+def _shown_terms(element: str) -> tuple[Term, ...]:
+    """With the density in the default convention beside Allan's N."""
+    first, *others = _terms(element)
+    double = Term(
+        first.name, element, "noise_density", first.unit, first.tool, f"NoiseType {_DOUBLE}"
+    )
+    return first, double, *others
+
+
 _RANDOM_WALK_CHOICES = {
     "K": "RandomWalk is Allan's K",
     "K/sqrt2": "RandomWalk is scaled like the noise, with 2 / fs: K is √2 times it",
 }
 
 
+def recognises(text: str) -> bool:
+    """A call, or a property of an ``imuSensor``'s element, outside of comments."""
+    return bool(
+        re.search(
+            r"(?m)^[^%#\n]*(\b(accelparams|gyroparams)\b"
+            r"|\.(Accelerometer|Gyroscope)\.[A-Z]\w+\s*=)",
+            text,
+        )
+    )
+
+
 def read(text: str, source: str, assumptions: Assumptions) -> Reading:
-    """Calls of ``accelparams`` and ``gyroparams`` with name-value pairs of plain numbers.
+    """Calls of ``accelparams`` and ``gyroparams``, and properties set afterwards.
 
     Raises
     ------
     InputError
-        No such call, a value that is no number, an unanswered question.
+        No such call, a value or a statement that is not understood, an unanswered question.
     """
-    code = re.sub(r"\.\.\.[^\n]*\n", " ", re.sub(r"(?m)^\s*%.*$", "", text))
-    code = re.sub(r"%[^\n]*", "", code)
-    elements: dict[str, dict[str, Values]] = {}
-    notes: list[str] = []
-    for element, function in _FUNCTION.items():
-        match = re.search(_CALL.format(function), code)
-        if match is not None:
-            pairs = dict(_PAIR.findall(match[1].replace("\n", " ")))
-            place = f"{source}: {function}"
-            elements[element] = _element(element, pairs, place, assumptions, notes)
-    if not elements:
+    needed = ("NoiseType", *(term.name for term in _terms("accelerometer")))
+    script = Script(source, (*needed, *_OTHERS), needed)
+    script.run(text)
+    if not script.elements:
         raise InputError(f"{source}: no call of accelparams or gyroparams")
-    return Reading(Description(None, assumptions.rate, elements), tuple(notes))
+    notes: list[str] = []
+    elements = {
+        element: _element(element, script.elements[element], source, assumptions, notes)
+        for element in ELEMENTS
+        if element in script.elements
+    }
+    return Reading(Description(None, None, elements), tuple(notes))
 
 
 def _element(
-    element: str, pairs: dict[str, str], place: str, assumptions: Assumptions, notes: list[str]
+    element: str,
+    given: dict[str, Property],
+    source: str,
+    assumptions: Assumptions,
+    notes: list[str],
 ) -> dict[str, Values]:
-    quantities: dict[str, Values] = {}
-    noise_type = pairs.pop("NoiseType", "").strip("'\"")
-    if noise_type not in ("", "single-sided", "double-sided"):
-        raise InputError(f'{place}: NoiseType: "{noise_type}" is not single-sided or double-sided')
-    if not noise_type:
+    place = f"{source}: {_FUNCTION[element]}"
+    noise_type = _noise_type(given.get("NoiseType"))
+    if noise_type is None:
         notes.append(f"{place}: without NoiseType, MATLAB's default, double-sided, is meant")
+    quantities: dict[str, Values] = {}
     for term in _terms(element):
-        if term.name not in pairs:
-            continue
-        values = plain_numbers(_numbers(pairs.pop(term.name)), f"{place}: {term.name}")
-        if term.name == "NoiseDensity" and noise_type != "single-sided":
-            quantities["noise_density"] = values
-        else:
-            quantities[term.key] = values
+        if term.name not in given or given[term.name].value == math.inf:
+            continue  # an infinite range is none
+        values = plain_numbers(given[term.name].value, given[term.name].place)
+        is_density = term.name == "NoiseDensity" and noise_type != _SINGLE
+        quantities["noise_density" if is_density else term.key] = values
     walk = quantities.get(BIAS_WALK[element], ())
-    if any(walk) and noise_type != "single-sided":
+    if any(walk) and noise_type != _SINGLE:
         question = f"{place}: RandomWalk with NoiseType 'double-sided' is scaled in one of two ways"
         if assumptions.answer("RandomWalk", question, _RANDOM_WALK_CHOICES) == "K/sqrt2":
             quantities[BIAS_WALK[element]] = tuple(2.0**0.5 * value for value in walk)
-    rest = [name for name, value in pairs.items() if value.strip("[]0. ,;'")]
+    rest = [name for name in _OTHERS if name in given and not _is_zero(given[name].value)]
     if rest:
         notes.append(f"{place}: not carried over: {', '.join(rest)}")
     return {key: values for key, values in quantities.items() if any(values)}
 
 
-def _numbers(text: str) -> object:
-    try:
-        items = [float(item) for item in re.split(r"[\s,;]+", text.strip("[] "))]
-    except ValueError:
+def _noise_type(given: Property | None) -> str | None:
+    if given is None:
         return None
-    return items if len(items) > 1 else items[0]
+    if given.value not in (_SINGLE, _DOUBLE):
+        raise InputError(f'{given.place}: "{str(given.value)[:40]}" is not {_SINGLE} or {_DOUBLE}')
+    return str(given.value)
 
 
-def write(sensor: Description, _: Assumptions) -> str:
-    """MATLAB code, with NoiseType 'single-sided' and Allan's coefficients."""
+def _is_zero(value: object) -> bool:
+    return value == 0.0 or (isinstance(value, tuple) and not any(value))
+
+
+def write(sensor: Description, assumptions: Assumptions) -> str:
+    """MATLAB code, with NoiseType 'single-sided' and Allan's coefficients.
+
+    Raises
+    ------
+    InputError
+        A range or a resolution differs between the axes, and none was chosen.
+    """
     lines = []
     carried = ["noise_density"]
     for element, quantities in sensor.elements.items():
         walk = two_sided(quantities, element)
         held = {**quantities, RANDOM_WALK[element]: walk} if walk is not None else quantities
-        pairs = ["'NoiseType', 'single-sided'"]
+        pairs = [f"'NoiseType', '{_SINGLE}'"]
         for term in _terms(element):
             carried.append(term.key)
             values = held.get(term.key)
             if values is None:
                 continue
-            if term.name in ("MeasurementRange", "Resolution"):
-                # MATLAB has one range and one resolution for all axes.
-                values = (max(values),)
+            if term.name in _SCALARS:
+                values = (assumptions.one(values, f"{element}: {term.key}"),)
             texts = [number(value / term.si) for value in values]
             shown = texts[0] if len(texts) == 1 else f"[{' '.join(texts)}]"
             pairs.append(f"'{term.name}', {shown}")
         name = element[:5] if element == "accelerometer" else "gyro"
         lines.append(f"{name} = {_FUNCTION[element]}( ...\n    " + ", ...\n    ".join(pairs) + ");")
     return "\n".join([*without_words(sensor, carried, "%"), *lines]) + "\n"
+
+
+DIALECT = Dialect(
+    "matlab",
+    "MATLAB accelparams and gyroparams",
+    CONVENTION,
+    recognises,
+    read,
+    write,
+    comment="%",
+    terms=(*_shown_terms("accelerometer"), *_shown_terms("gyroscope")),
+    ending=".m",
+)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
+from dataclasses import replace
 
 from mcsim.dialects.description import (
+    ELEMENTS,
     RANDOM_WALK,
     Assumptions,
     Description,
@@ -14,37 +17,19 @@ from mcsim.dialects.description import (
     describe_file,
     two_sided,
 )
+from mcsim.dialects.dialect import Dialect
 from mcsim.dialects.numbers import number
+from mcsim.dialects.terms import kind_of
+from mcsim.scenario.document import SENSOR, parse_document
 from mcsim.scenario.sensor_file import SensorFile, parse_sensor_file
 from mcsim.scenario.validation import validate
-from mcsim.units import KINDS, factor
+from mcsim.units import KINDS, factor, parse
 
 CONVENTION = (
     "noise_density is one-sided, as data sheets print it: variance ND² fs / 2 per sample; "
     "velocity_random_walk and angle_random_walk are Allan's N, two-sided: N² fs; ND = √2 N"
 )
 
-#: The kind of each key's quantity, for the accelerometer and for the gyroscope.
-KIND_OF = {
-    "noise_density": ("acceleration noise density", "angular rate noise density"),
-    "velocity_random_walk": ("velocity random walk",) * 2,
-    "angle_random_walk": ("angle random walk",) * 2,
-    "miscalibration": ("acceleration", "angular rate"),
-    "turn_on_bias": ("acceleration", "angular rate"),
-    "scale_factor_error": ("ratio", "ratio"),
-    "misalignment": ("angle", "angle"),
-    "g_sensitivity": ("g-sensitivity", "g-sensitivity"),
-    "bias_instability": ("acceleration", "angular rate"),
-    "acceleration_random_walk": ("acceleration random walk",) * 2,
-    "rate_random_walk": ("rate random walk",) * 2,
-    "gauss_markov.deviation": ("acceleration", "angular rate"),
-    "gauss_markov.correlation_time": ("time", "time"),
-    "resolution": ("acceleration", "angular rate"),
-    "range": ("acceleration", "angular rate"),
-    "bandwidth": ("frequency", "frequency"),
-    "spikes.rate": ("frequency", "frequency"),
-    "spikes.amplitude": ("acceleration", "angular rate"),
-}
 #: Kinds whose SI unit has no sign of its own.
 _SI = {"ratio": "ppm"}
 _DATA_SHEET = {
@@ -65,20 +50,40 @@ _ALLAN = {
 _ALLAN_BIAS = {"accelerometer": "m/s/h", "gyroscope": "°/h"}
 
 
-def kind_of(key: str, element: str) -> str:
-    """Name of the kind of quantity behind a key."""
-    return KIND_OF[key][element == "gyroscope"]
+def recognises(text: str) -> bool:
+    """An element's block at the margin."""
+    return bool(re.search(r"(?m)^['\"{]*(accelerometer|gyroscope)['\"]?\s*:", text))
 
 
-def read(text: str, source: str, _: Assumptions) -> Reading:
-    """A sensor file.
+def read(text: str, source: str, assumptions: Assumptions) -> Reading:
+    """A sensor file; its rate is its own or that of its elements.
 
     Raises
     ------
     InputError
         Not a valid sensor file; one line per problem.
     """
-    return Reading(describe_file(validate(parse_sensor_file(text, source), SensorFile)))
+    sensor = describe_file(validate(parse_sensor_file(text, source), SensorFile))
+    if sensor.rate is not None:
+        return Reading(sensor)
+    rates = _rates(text, source)
+    if len(set(rates.values())) > 1 and assumptions.rate is None:
+        shown = ", ".join(f"{element} {rate:g} Hz" for element, rate in rates.items())
+        return Reading(sensor, (f"rates differ ({shown}): where one is needed, --rate says which",))
+    if assumptions.rate in rates.values():
+        return Reading(sensor)
+    return Reading(replace(sensor, rate=next(iter(rates.values()), None)))
+
+
+def _rates(text: str, source: str) -> dict[str, float]:
+    """What the elements' own blocks say, in Hz, of a file that is valid."""
+    tree = parse_document(text, source, SENSOR).tree
+    blocks = {element: tree.get(element) for element in ELEMENTS}
+    return {
+        element: parse(str(block["rate"]), KINDS["frequency"])
+        for element, block in blocks.items()
+        if isinstance(block, dict) and block.get("rate") is not None
+    }
 
 
 def write_si(sensor: Description, assumptions: Assumptions) -> str:
@@ -142,3 +147,17 @@ def _quantity(key: str, element: str, values: Values, units: Mapping[str, str]) 
 
 def _quoted(name: str) -> str:
     return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+DIALECT = Dialect("mcsim", "mcsim sensor file", CONVENTION, recognises, read, write_si)
+DATA_SHEET = Dialect(
+    "datasheet",
+    "mcsim sensor file in a data sheet's units",
+    CONVENTION,
+    None,
+    None,
+    write_data_sheet,
+)
+ALLAN = Dialect(
+    "allan", "mcsim sensor file with Allan's N, B and K", CONVENTION, None, None, write_allan
+)

@@ -6,12 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mcsim.dialects import gnss_ins_sim, kalibr, kf_gins
+from mcsim.dialects.bias import FLOOR
 from mcsim.dialects.description import BIAS_WALK, RANDOM_WALK
-from mcsim.dialects.foreign import Term
-from mcsim.dialects.imu_utils import FLOOR
 from mcsim.dialects.numbers import tidy
-from mcsim.dialects.own import kind_of
+from mcsim.dialects.registry import DIALECTS
+from mcsim.dialects.terms import kind_of
 from mcsim.errors import InputError, UnitError
 from mcsim.units import (
     KINDS,
@@ -52,11 +51,6 @@ _BIAS_WALK_UNITS = {
     "accelerometer": ("m/s/h^1.5", "m/s²/√s", "µg/√s"),
     "gyroscope": ("°/h^1.5", "°/s/√s", "rad/s/√s"),
 }
-_TOOLS = (
-    ("Kalibr", "kalibr", kalibr.TERMS),
-    ("gnss-ins-sim", "gnss-ins-sim", gnss_ins_sim.TERMS),
-    ("KF-GINS", "kf-gins", kf_gins.TERMS),
-)
 
 
 @dataclass(frozen=True)
@@ -169,22 +163,7 @@ def _white(text: str, element: str, key: str, rate: float | None) -> Conversion:
             "two-sided, N = ND / √2",
             ("mcsim", "allan"),
         ),
-        *_tools(element, {RANDOM_WALK[element]: walk}),
-    ]
-    function = "accelparams" if element == "accelerometer" else "gyroparams"
-    rows += [
-        Row(
-            f"MATLAB {function}",
-            f"NoiseDensity {_show(walk)}",
-            "NoiseType single-sided",
-            ("matlab",),
-        ),
-        Row(
-            f"MATLAB {function}",
-            f"NoiseDensity {_show(density)}",
-            "NoiseType double-sided",
-            ("matlab",),
-        ),
+        *_tools(element, {RANDOM_WALK[element]: walk, "noise_density": density}),
     ]
     if rate is not None:
         deviation = sample_deviation(density, rate)
@@ -230,28 +209,17 @@ def _single(
         held = {key: value}
         meaning = f"Allan's K, {name}"
     rows += _tools(element, held)
-    function = "accelparams" if element == "accelerometer" else "gyroparams"
-    name = "BiasInstability" if key in BIAS_ROLES else "RandomWalk"
-    rows.append(
-        Row(f"MATLAB {function}", f"{name} {_show(value)}", "NoiseType single-sided", ("matlab",))
-    )
     return Conversion(f"{text}: {meaning}", tuple(rows))
 
 
 def _tools(element: str, held: Mapping[str, float]) -> list[Row]:
-    def rows_of(tool: str, name: str, terms: tuple[Term, ...]) -> list[Row]:
-        return [
-            Row(tool, f"{term.name} {_show(held[term.key] / term.si)}", _remark(term), (name,))
-            for term in terms
-            if term.element == element and term.key in held
-        ]
-
-    return [row for tool, name, terms in _TOOLS for row in rows_of(tool, name, terms)]
-
-
-def _remark(term: Term) -> str:
-    is_white = term.key == RANDOM_WALK[term.element]
-    return f"{term.unit}, two-sided" if is_white else term.unit
+    """What the tools that hold one of these quantities write for it."""
+    return [
+        Row(term.tool, f"{term.name} {_show(held[term.key] / term.si)}", term.remark, (name,))
+        for name, dialect in DIALECTS.items()
+        for term in dialect.terms
+        if term.element == element and term.key in held
+    ]
 
 
 def _in(value: float, element: str, key: str, units: Mapping[str, tuple[str, ...]]) -> str:

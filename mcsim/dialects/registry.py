@@ -1,102 +1,36 @@
-"""The dialects by name, and which one a text is written in."""
+"""The table of dialects: another one is a file with a ``DIALECT`` and a line here."""
 
 from __future__ import annotations
 
-import re
 import textwrap
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
+from pathlib import Path
 
 from mcsim.dialects import gnss_ins_sim, imu_utils, kalibr, kf_gins, matlab, own
 from mcsim.dialects.description import Assumptions, Description, Reading
+from mcsim.dialects.dialect import Dialect
 from mcsim.errors import InputError
+from mcsim.scenario.document import Genre, read_text
 
-_COMMENT_WIDTH = 96
-
-
-@dataclass(frozen=True)
-class Dialect:
-    """How one tool writes a sensor; ``write`` is None where only reading makes sense."""
-
-    name: str
-    title: str
-    convention: str
-    marks: str
-    read: Callable[[str, str, Assumptions], Reading] | None
-    write: Callable[[Description, Assumptions], str] | None
-    comment: str = "#"
-
-
-DIALECTS = {
+DIALECTS: dict[str, Dialect] = {
     dialect.name: dialect
     for dialect in (
-        Dialect(
-            "mcsim",
-            "mcsim sensor file",
-            own.CONVENTION,
-            r"(?m)^(accelerometer|gyroscope)\s*:",
-            own.read,
-            own.write_si,
-        ),
-        Dialect(
-            "datasheet",
-            "mcsim sensor file in a data sheet's units",
-            own.CONVENTION,
-            "",
-            None,
-            own.write_data_sheet,
-        ),
-        Dialect(
-            "allan",
-            "mcsim sensor file with Allan's N, B and K",
-            own.CONVENTION,
-            "",
-            None,
-            own.write_allan,
-        ),
-        Dialect(
-            "kalibr",
-            "Kalibr imu.yaml",
-            kalibr.CONVENTION,
-            r"\b(accelerometer|gyroscope)_noise_density\s*:",
-            kalibr.read,
-            kalibr.write,
-        ),
-        Dialect(
-            "matlab",
-            "MATLAB accelparams and gyroparams",
-            matlab.CONVENTION,
-            r"\b(accelparams|gyroparams)\s*\(",
-            matlab.read,
-            matlab.write,
-            comment="%",
-        ),
-        Dialect(
-            "gnss-ins-sim",
-            "gnss-ins-sim accuracy dictionary",
-            gnss_ins_sim.CONVENTION,
-            r"['\"]gyro_arw['\"]\s*:",
-            gnss_ins_sim.read,
-            gnss_ins_sim.write,
-        ),
-        Dialect(
-            "kf-gins",
-            "KF-GINS imunoise block",
-            kf_gins.CONVENTION,
-            r"(?m)^imunoise\s*:",
-            kf_gins.read,
-            kf_gins.write,
-        ),
-        Dialect(
-            "imu_utils",
-            "imu_utils result",
-            imu_utils.CONVENTION,
-            r"\b(gyr|acc)_n\s*:",
-            imu_utils.read,
-            None,
-        ),
+        own.DIALECT,
+        own.DATA_SHEET,
+        own.ALLAN,
+        kalibr.DIALECT,
+        matlab.DIALECT,
+        gnss_ins_sim.DIALECT,
+        kf_gins.DIALECT,
+        imu_utils.DIALECT,
     )
 }
+READABLE = tuple(d.name for d in DIALECTS.values() if d.read is not None)
+WRITABLE = tuple(d.name for d in DIALECTS.values() if d.write is not None)
+#: What the names of such files end with.
+ENDINGS = (*dict.fromkeys(d.ending for d in DIALECTS.values()), ".yml")
+_COMMENT_WIDTH = 96
+_GENRE = Genre("parameter", "is written in one of the dialects")
 
 
 def recognise(text: str, source: str) -> Dialect:
@@ -107,7 +41,7 @@ def recognise(text: str, source: str) -> Dialect:
     InputError
         None, or more than one: ``--from`` decides.
     """
-    found = [d for d in DIALECTS.values() if d.marks and re.search(d.marks, text)]
+    found = [d for d in DIALECTS.values() if d.recognises is not None and d.recognises(text)]
     if len(found) == 1:
         return found[0]
     what = "looks like several dialects" if found else "is in none of the known dialects"
@@ -118,15 +52,38 @@ def recognise(text: str, source: str) -> Dialect:
 def read_sensor(text: str, source: str, name: str | None, assumptions: Assumptions) -> Reading:
     """Read a sensor in the dialect ``name``, or in the one it is recognised by.
 
+    The rate is that of the text, or the one assumed.
+
     Raises
     ------
     InputError
-        Unknown, not to be read, wrong in itself, or with a question unanswered.
+        Unknown, not to be read, wrong in itself, of another rate than the one assumed, or
+        with a question unanswered.
     """
     dialect = DIALECTS[name] if name is not None else recognise(text, source)
     if dialect.read is None:
         raise InputError(f"{dialect.name} is a way to write; read it with --from mcsim")
-    return dialect.read(text, source, assumptions)
+    reading = dialect.read(text, source, assumptions)
+    given, assumed = reading.description.rate, assumptions.rate
+    if given is not None and assumed is not None and given != assumed:
+        raise InputError(
+            f"{source}: its rate is {given:g} Hz, and --rate says {assumed:g} Hz; "
+            "leave --rate out, or mend the file"
+        )
+    return replace(
+        reading, description=replace(reading.description, rate=given if given else assumed)
+    )
+
+
+def read_file(path: Path, name: str | None, assumptions: Assumptions) -> Reading:
+    """Read a sensor's file, as ``read_sensor`` does its text.
+
+    Raises
+    ------
+    InputError
+        Not a readable text, or what ``read_sensor`` refuses.
+    """
+    return read_sensor(read_text(path, _GENRE), str(path), name, assumptions)
 
 
 def write_sensor(sensor: Description, name: str, assumptions: Assumptions) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import StringIO
@@ -15,6 +16,8 @@ PathKey = tuple[str | int, ...]
 LARGEST_FILE = 1 << 18
 LARGEST_TREE = 100_000
 DEEPEST_TREE = 50
+MOST_BRACKETS = 200
+_BRACKETS = re.compile(r"[\[\]{}]")
 
 
 @dataclass(frozen=True)
@@ -118,6 +121,7 @@ def _load_yaml(text: str, source: str) -> Any:
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError
 
+    _refuse_brackets(text, source)
     try:
         return YAML(typ="rt", pure=True).load(StringIO(text))
     except MarkedYAMLError as error:
@@ -133,6 +137,18 @@ def _load_yaml(text: str, source: str) -> Any:
     except Exception as error:  # what else a reader of strange text may raise
         first = (str(error) or type(error).__name__).split("\n")[0]
         raise InputError(f"{source}: not YAML ({first})") from None
+
+
+def _refuse_brackets(text: str, source: str) -> None:
+    """Brackets within brackets cost the reader the square of their number."""
+    depth = 0
+    for line, content in enumerate(text.splitlines(), 1):
+        for sign in _BRACKETS.findall(content):
+            depth = max(0, depth + (1 if sign in "[{" else -1))
+            if depth > MOST_BRACKETS:
+                raise InputError(
+                    f"{source}:{line}: more than {MOST_BRACKETS} brackets are open; close them"
+                )
 
 
 class _Plain:
