@@ -374,7 +374,7 @@ def test_ready_parameters_are_refused_in_the_same_words(tmp_path, capsys, text, 
     assert capsys.readouterr().err == said
 
 
-def test_rates_of_ready_parameters_take_their_unit(tmp_path, capsys):
+def test_rates_of_ready_parameters_take_their_unit(tmp_path):
     path = tmp_path / "imu_param.yaml"
     path.write_text(IMU_UTILS, encoding="utf-8")
     arguments = ["characterise", str(path), "--assume", "n=per_sample", "--assume", "w=ignore"]
