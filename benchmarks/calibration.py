@@ -110,10 +110,10 @@ BENCHES = {
     },
     "10 white samples": Bench(10, memory=0.0),
     **{
-        f"1000 samples correlated over {1 / (1 - phi):.0f}": Bench(1000, memory=phi)
-        for phi in (0.5, 0.9, 0.98, 0.998)
+        f"300 samples correlated over {1 / (1 - phi):.0f}": Bench(300, memory=phi)
+        for phi in (0.5, 0.9, 0.98, 0.995)
     },
-    "1000 samples correlated over 10, 2 repetitions": Bench(1000, 2, memory=0.9),
+    "300 samples correlated over 10, 2 repetitions": Bench(300, 2, memory=0.9),
 }
 #: Shaker tests: whether 2 mg of noise or a bend of 5000 ppm of full scale makes the residuals.
 SHAKERS = {"points scatter": (2e-3, 0.0), "points bend": (0.0, 0.05), "both": (2e-3, 0.05)}

@@ -35,6 +35,8 @@ _LEVEL = np.abs(_AXIS_ROWS) < 0.5
 FIXTURE_LEVEL, CHANGE_LEVEL = 0.3, 0.1
 #: Scatter (g²) that rounding may make.
 _ROUNDING = 1e-24
+#: No estimated variance has fewer degrees of freedom.
+_FEWEST = 1.0
 #: Degrees of freedom of residuals, as a share of their number, where alignment dominates.
 _EFFECTIVE = 0.7
 
@@ -142,16 +144,22 @@ def _from_samples(
     noise = scatter.variance_of_mean(counts)
     in_g = noise / scale**2
     expected = np.array([_traces(in_g[:, :, k], joint)[0] for k in range(3)])
-    seen = np.sum((residuals / scale) ** 2)
-    per_unit = sum(_traces(np.tile(_LEVEL[:, k], (tests, 1)), joint)[0] for k in range(3))
-    beyond = (seen - expected.sum()) / per_unit
-    position = max(beyond, 0.0)
-    squares = sum(_traces(in_g[:, :, k] + position * _LEVEL[:, k], joint)[1] for k in range(3))
-    spread = (2.0 * squares + np.sum(2.0 * expected**2 / scatter.freedom)) / per_unit**2
+    seen = np.sum((residuals / scale) ** 2, axis=(0, 1))
+    unit = np.array([_traces(np.tile(_LEVEL[:, k], (tests, 1)), joint)[0] for k in range(3)])
+    # An axis counts the less, the noisier it is beside what all axes together show.
+    own = in_g.mean(axis=(0, 1)) + max(float((seen - expected).sum() / unit.sum()), 0.0)
+    weight = (own.max() / np.maximum(own, 1e-6 * own.max())) ** 2 if own.any() else np.ones(3)
+    per_unit = float(weight @ unit)
+    position = max(float(weight @ (seen - expected)) / per_unit, 0.0)
+    squares = np.array(
+        [_traces(in_g[:, :, k] + position * _LEVEL[:, k], joint)[1] for k in range(3)]
+    )
+    of_noise = 2.0 * expected**2 / scatter.freedom
+    spread = float(weight**2 @ (2.0 * squares + of_noise)) / per_unit**2
+    spread *= _cut_at_zero(position / np.sqrt(spread)) if spread > 0.0 else 0.0
     parts = [_Part(_of(noise, k), 2.0 * _of(noise, k) ** 2 / scatter.freedom[k]) for k in range(3)]
     # Taken for upright positions too: noise too slow for the samples to show acts there.
     by_position = np.outer(scale**2, np.sum(SOLVE**2, axis=1)) / tests
-    spread *= _cut_at_zero(position / np.sqrt(spread)) if spread > 0.0 else 0.0
     parts.append(_Part(by_position * position, by_position**2 * spread))
     return np.sqrt(noise.mean(axis=(0, 1))), np.sqrt(position) * scale, parts
 
@@ -213,8 +221,9 @@ def _combined(parts: list[_Part]) -> tuple[Array, Array]:
     """Standard uncertainties and effective degrees of freedom, JCGM 100, Eq. (G.2b)."""
     variance = np.sum([part.variance for part in parts], axis=0)
     spread = np.sum([part.spread for part in parts], axis=0)
-    safe = np.where(spread > 0.0, spread, 1.0)
-    return np.sqrt(variance), np.where(spread > 0.0, 2.0 * variance**2 / safe, np.inf)
+    known = (spread > _ROUNDING**2) & (variance > 0.0)
+    freedom = 2.0 * variance**2 / np.where(known, spread, 1.0)
+    return np.sqrt(variance), np.where(known, np.maximum(freedom, _FEWEST), np.inf)
 
 
 def _between(fits: Array, parts: list[_Part], changing: tuple[str, ...]) -> _Part:
