@@ -15,9 +15,11 @@ import mcsim
 from mcsim import InputError, Scenario
 from mcsim.cases import problem_of
 from mcsim.cases.velocity_linear import accelerations
+from mcsim.cli.budget import write_budget
 from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty, step_budget
-from mcsim.gum.tables import BUDGET_COLUMNS, budget_table, comparison_table, comparison_words
+from mcsim.gum.tables import BUDGET_COLUMNS, budget_table, comparison_table
+from mcsim.gum.words import comparison_words
 from mcsim.results import at_the_end
 from mcsim.trajectory.straight_run import run_motion, within_intervals
 from tests.reference import velocity_numpy
@@ -353,7 +355,91 @@ def test_tables_and_words():
     words = comparison_words(course)
     assert f"{course.summed_total[-1]:.3g} m/s" in words
     assert "understates" in words
-    assert "cancel" in words
+
+
+def words_of(name="a1", **overrides):
+    """The comparison in words, in one line, and its numbers."""
+    course = course_of_uncertainty(scenario(name, **overrides).base, 500)
+    return " ".join(comparison_words(course).split()), course
+
+
+def test_words_on_the_calibration_hold_at_every_instant():
+    """An uncertain scale factor leaves its share of the velocity, and nothing at standstill."""
+    large = {
+        "calibration__lxx__uncertainty": 0.1,
+        "tilt__order": "exact",
+        "trajectory__mounting_angle": "0.05 rad",
+    }
+    words, course = words_of(**large)
+    left = np.hypot(course.simulated["calibration matrix"], course.simulated["zero bias"])
+    at = int(np.argmax(left))
+    assert left[at] == pytest.approx(0.1 / 0.98 * 0.4, rel=5 / math.sqrt(1000))
+    assert f"Together they leave {left[at]:.2g} m/s at {course.time[at]:.3g} s" in words
+    assert "the velocity," in words
+    assert "of it at every instant" in words
+    assert "nothing after 1.5 s" in words
+    stopped, _ = words_of(**large, trajectory__duration="0.3 s", trajectory__top_speed="0.2 m/s",
+                          instants=["0.15 s"])  # fmt: skip
+    assert "nothing after 0.3 s" in stopped
+    # The first order of the tilt leaves some of it beside the velocity's share.
+    assert "goes with the velocity" not in words_of()[0]
+
+
+def test_by_acceleration_alone_the_calibration_is_that_of_a_known_tilt():
+    p = problem()
+    course = course_of_uncertainty(scenario().base, 20)
+    known = p.inputs.astype(float)
+    theta = math.atan(
+        (known[0:3] @ (known[9:12] - known[6:9])) / (known[3:6] @ (known[9:12] - known[6:9]))
+    )
+
+    def velocity(inputs):
+        lx, lz, bias, g = inputs[0:3], inputs[3:6], inputs[6:9], inputs[13]
+        return p.interval * g * np.sum((p.raw - bias) @ (lx - theta * lz))
+
+    variance = 0.0
+    for k in range(9):
+        moved = known.copy()
+        moved[k] += 1e-6
+        variance += ((velocity(moved) - velocity(known)) / 1e-6 * p.uncertainties[k]) ** 2
+    assert course.by_acceleration[-1] == pytest.approx(math.sqrt(variance), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "said", "unsaid"),
+    [
+        ({}, "understates tilt change", "Nothing disturbs"),
+        ({"tilt__change": "0 rad"}, "takes itself back", "understates tilt change"),
+        ({"sensor__time_error": "0 s"}, "s(v) = ", "whose errors cancel"),
+        ({"sensor__time_error": "5 ms"}, "whose errors cancel", "Nothing"),
+        ({"trajectory__rest": "0.01 s"}, "of the rest is the same in every step", "averages out"),
+        ({"trajectory__rest": "10 s"}, "averages out", "of the rest is the same"),
+    ],
+)
+def test_sentences_of_the_budget_follow_from_its_numbers(overrides, said, unsaid):
+    words, _ = words_of(**overrides)
+    assert said in words
+    assert unsaid not in words
+
+
+def test_a_run_without_uncertainty_says_so(tmp_path):
+    zero = {
+        **{
+            f"calibration__{name}__uncertainty": 0.0
+            for name in ("lxx", "lxy", "lxz", "lzx", "lzy", "lzz")
+        },
+        **{f"calibration__{name}__uncertainty": "0 g" for name in ("bx", "by", "bz")},
+        "sensor__noise": {"x": "0 g", "y": "0 g", "z": "0 g"},
+        "sensor__time_error": "0 s",
+        "tilt__change": "0 rad",
+        "gravity__uncertainty": "0 m/s²",
+        "budget__rest_x__uncertainty": "0 g",
+        "budget__rest_z__uncertainty": "0 g",
+    }
+    words, _ = words_of(**zero)
+    assert words == "Nothing disturbs this run: all uncertainties are zero."
+    write_budget(scenario(**zero), tmp_path)
+    assert (tmp_path / "comparison.png").exists()
 
 
 # Scenario

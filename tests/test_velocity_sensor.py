@@ -16,7 +16,8 @@ from mcsim.cases.velocity_measured import GroupSamples, ProcessSums
 from mcsim.cli.tables import summary
 from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty
-from mcsim.gum.tables import comparison_table, comparison_words
+from mcsim.gum.tables import comparison_table
+from mcsim.gum.words import comparison_words
 from mcsim.kernels.velocity_measured import REST_NOISE, constant_rows
 from mcsim.sensors.coloured import processes_of
 from mcsim.units import STANDARD_GRAVITY

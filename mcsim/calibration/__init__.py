@@ -1,5 +1,6 @@
 """Calibration of tri-axial accelerometers: six-position test, shaker test."""
 
+from mcsim.calibration.estimate import Estimate
 from mcsim.calibration.shaker import LinearityFit, linearity, read_amplitudes, simulate_shaker
 from mcsim.calibration.six_positions import (
     SixPositionFit,
@@ -10,6 +11,7 @@ from mcsim.calibration.six_positions import (
 )
 
 __all__ = [
+    "Estimate",
     "LinearityFit",
     "SixPositionFit",
     "SixPositions",

@@ -14,6 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.calibration.columns import read_columns
+from mcsim.calibration.estimate import Estimate
+from mcsim.calibration.scatter import SampleScatter, sample_scatter
+from mcsim.calibration.uncertainty import DESIGN, SOLVE, Uncertainties, uncertainties
 from mcsim.cases.velocity_samples import raw_output_of
 from mcsim.errors import InputError
 
@@ -22,8 +25,7 @@ Array = NDArray[np.float64]
 POSITIONS = ("+x", "-x", "+y", "-y", "+z", "-z")
 AXES = "xyz"
 #: True acceleration (6, 3) in fractions of g: the axis that points up reads +1.
-TRUE = np.array([sign * np.eye(3)[axis] for axis in range(3) for sign in (1.0, -1.0)])
-_DESIGN = np.column_stack([TRUE, np.ones(6)])
+TRUE = DESIGN[:, :3]
 #: Outputs beyond these cannot be fractions of g from a sensor that works.
 _LARGEST_OUTPUT, _SMALLEST_SENSITIVITY = 3.0, 0.2
 _SPELLINGS = {
@@ -37,12 +39,19 @@ _SPELLINGS = {
 class SixPositions:
     """Mean raw output of a six-position test, repeated r times; fractions of g.
 
-    ``means`` (r, 6, 3): positions in the order of ``POSITIONS``, axes x, y, z; ``noise`` (3,)
-    is the standard deviation of one sample, where samples were given.
+    ``means`` (r, 6, 3): positions in the order of ``POSITIONS``, axes x, y, z; ``scatter`` is
+    what the samples' own scatter tells, None where each position is one row; ``counts`` (r, 6)
+    are the samples behind each mean, one where absent.
     """
 
     means: Array
-    noise: Array | None = None
+    scatter: SampleScatter | None = None
+    counts: NDArray[np.int64] | None = None
+
+    @property
+    def samples(self) -> NDArray[np.int64]:
+        """Samples (r, 6) behind each mean."""
+        return np.ones(self.means.shape[:2], int) if self.counts is None else self.counts
 
 
 @dataclass(frozen=True)
@@ -50,40 +59,59 @@ class SixPositionFit:
     """Result of a calibration.
 
     ``matrix`` (3, 3) is M0, ``bias`` (3,) B in fractions of g, ``correction`` (3, 3) the
-    inverse L; each with its standard uncertainty from the residuals of all repetitions, with
-    ``freedom`` degrees of freedom.  ``repeatability`` has the type-A uncertainties from
+    inverse L, ``uncertainties`` theirs.  ``repeatability`` has the type-A uncertainties from
     the repetitions alone (of ``correction`` and ``bias``), None for a single test.
     ``residuals`` (r, 6, 3).
     """
 
     matrix: Array
-    u_matrix: Array
     bias: Array
-    u_bias: Array
     correction: Array
-    u_correction: Array
-    freedom: float
+    uncertainties: Uncertainties
     residuals: Array
     repeatability: tuple[Array, Array] | None
-    noise: Array | None
+    scatter: SampleScatter | None
 
-    def estimates(self) -> Mapping[str, tuple[float, float]]:
-        """Estimate and uncertainty by name: ``lxx`` … ``lzz``, ``bx``, ``by``, ``bz``."""
-        named = {
-            f"l{AXES[i]}{AXES[j]}": (float(self.correction[i, j]), float(self.u_correction[i, j]))
-            for i in range(3)
-            for j in range(3)
-        }
-        return named | {
-            f"b{axis}": (float(self.bias[i]), float(self.u_bias[i])) for i, axis in enumerate(AXES)
-        }
+    @property
+    def u_matrix(self) -> Array:
+        return self.uncertainties.u[:, :3]
+
+    @property
+    def u_bias(self) -> Array:
+        return self.uncertainties.u[:, 3]
+
+    @property
+    def u_correction(self) -> Array:
+        return self.uncertainties.u_correction
+
+    def estimates(self) -> Mapping[str, Estimate]:
+        """By name: ``lxx`` … ``lzz``, ``bx``, ``by``, ``bz``, then ``mxx`` … ``mzz``."""
+        u = self.uncertainties
+        return (
+            _by_name("l", self.correction, u.u_correction, u.freedom_correction)
+            | {
+                f"b{axis}": Estimate(float(self.bias[i]), float(u.u[i, 3]), float(u.freedom[i, 3]))
+                for i, axis in enumerate(AXES)
+            }
+            | _by_name("m", self.matrix, u.u[:, :3], u.freedom[:, :3])
+        )
+
+
+def _by_name(letter: str, values: Array, deviations: Array, freedom: Array) -> dict[str, Estimate]:
+    return {
+        f"{letter}{AXES[i]}{AXES[j]}": Estimate(
+            float(values[i, j]), float(deviations[i, j]), float(freedom[i, j])
+        )
+        for i in range(3)
+        for j in range(3)
+    }
 
 
 def read_six_positions(path: Path) -> SixPositions:
     """Read a test from a CSV file with the columns ``position, x, y, z``.
 
     ``position`` is +x, -x, … -z (the axis that points up or down); several rows of one position
-    are samples.  A column ``repetition`` tells repeated tests apart.
+    are samples in the order of time.  A column ``repetition`` tells repeated tests apart.
 
     Raises
     ------
@@ -120,16 +148,9 @@ def read_six_positions(path: Path) -> SixPositions:
         [[np.mean(by_position[p], axis=0) for p in POSITIONS] for by_position in samples.values()]
     )
     _check_positions(path, means)
-    spread = [
-        np.asarray(rows) - np.mean(rows, axis=0)
-        for by_position in samples.values()
-        for rows in by_position.values()
-        if len(rows) > 1
-    ]
-    if not spread:
-        return SixPositions(means)
-    freedom = sum(len(rows) - 1 for rows in spread)
-    return SixPositions(means, np.sqrt(np.sum(np.concatenate(spread) ** 2, axis=0) / freedom))
+    rows = [np.array(by_position[p]) for by_position in samples.values() for p in POSITIONS]
+    counts = np.array([len(r) for r in rows]).reshape(means.shape[:2])
+    return SixPositions(means, sample_scatter(rows), counts)
 
 
 def _check_positions(path: Path, means: Array) -> None:
@@ -160,48 +181,19 @@ def calibrate(test: SixPositions) -> SixPositionFit:
     InputError
         The matrix cannot be inverted.
     """
-    design = np.tile(_DESIGN, (len(test.means), 1))
-    outputs = test.means.reshape(-1, 3)
-    parameters, *_ = np.linalg.lstsq(design, outputs, rcond=None)
-    residuals = outputs - design @ parameters
-    u_matrix, u_bias, freedom = _uncertainties(residuals)
+    means = test.means
+    parameters = SOLVE @ means.mean(axis=0)
     matrix, bias = parameters[:3].T, parameters[3]
     correction = _inverse(matrix)
-    # dL = -L dM L: elements of M err independently.
-    u_correction = np.sqrt((correction**2) @ u_matrix**2 @ (correction**2))
     return SixPositionFit(
         matrix=matrix,
-        u_matrix=u_matrix,
         bias=bias,
-        u_bias=u_bias,
         correction=correction,
-        u_correction=u_correction,
-        freedom=freedom,
-        residuals=residuals.reshape(test.means.shape),
-        repeatability=_repeatability(test.means),
-        noise=test.noise,
+        uncertainties=uncertainties(means, test.samples, test.scatter, matrix),
+        residuals=means - DESIGN @ parameters,
+        repeatability=_repeatability(means),
+        scatter=test.scatter,
     )
-
-
-def _uncertainties(residuals: Array) -> tuple[Array, Array, float]:
-    """Standard uncertainties of M0 (3, 3) and B (3,), and their degrees of freedom.
-
-    A position that misses the vertical by a small angle changes the outputs of the two level
-    axes, and hardly that of the upright one.  So an axis' variance is taken from the positions
-    in which it is level; for those in which it is upright this errs on the safe side.
-    """
-    repetitions = len(residuals) // 6
-    solve = np.linalg.pinv(_DESIGN)
-    hat = _DESIGN @ solve
-    u = np.empty((3, 4))
-    for axis in range(3):
-        level = np.abs(_DESIGN[:, axis]) < 0.5
-        # Expected sum of squares of the level residuals per unit variance of level rows.
-        own = hat[level][:, level]
-        freedom = float(repetitions * level.sum() - 2.0 * np.trace(own) + np.sum(own**2))
-        variance = np.sum(residuals[np.tile(level, repetitions), axis] ** 2) / freedom
-        u[axis] = np.sqrt(variance * np.sum(solve**2, axis=1) / repetitions)
-    return u[:, :3], u[:, 3], freedom
 
 
 def _inverse(matrix: Array) -> Array:
@@ -218,7 +210,7 @@ def _repeatability(means: Array) -> tuple[Array, Array] | None:
     n = len(means)
     if n < 2:
         return None
-    fits = [np.linalg.lstsq(_DESIGN, mean, rcond=None)[0] for mean in means]
+    fits = [SOLVE @ mean for mean in means]
     corrections = np.array([np.linalg.inv(fit[:3].T) for fit in fits])
     biases = np.array([fit[3] for fit in fits])
     return corrections.std(axis=0, ddof=1) / np.sqrt(n), biases.std(axis=0, ddof=1) / np.sqrt(n)
@@ -250,5 +242,11 @@ def simulate_six_positions(
     true = TRUE + np.cross(np.broadcast_to(TRUE, tilts.shape), tilts)
     true /= np.linalg.norm(true, axis=-1, keepdims=True)
     mean = raw_output_of(true.reshape(-1, 3), correction, bias).reshape(true.shape)
+    counts = np.full(true.shape[:2], samples)
     scatter = generator.standard_normal(true.shape) * noise / np.sqrt(samples)
-    return SixPositions(mean + scatter, np.asarray(noise) if samples > 1 else None)
+    if samples == 1:
+        return SixPositions(mean + scatter, None, counts)
+    freedom = float(counts.size * (samples - 1))
+    found = np.asarray(noise) * np.sqrt(generator.chisquare(freedom, 3) / freedom)
+    own = SampleScatter(found, np.ones(3), np.full(3, freedom))
+    return SixPositions(mean + scatter, own, counts)

@@ -95,21 +95,33 @@ def accelerations(raw: Array, inputs: NDArray[Any], order: int) -> NDArray[Any]:
 
     ``inputs`` (14,) as the kernel has them, real or complex.
     """
-    lx, lz, bias, rest, change, g = (
-        inputs[0:3],
-        inputs[3:6],
-        inputs[6:9],
-        inputs[9:12],
-        inputs[12],
-        inputs[13],
-    )
-    theta = np.arctan((lx @ (rest - bias)) / (lz @ (rest - bias))) + change
-    p, q = {
-        0: (1.0, theta),
-        1: (1.0 / (1.0 + theta * theta), theta / (1.0 + theta * theta)),
-        2: (np.cos(theta), np.sin(theta)),
-    }[order]
+    lx, lz, bias, g = inputs[0:3], inputs[3:6], inputs[6:9], inputs[13]
+    p, q = _turn(_tilt(inputs), order)
     return g * ((raw - bias) @ (p * lx - q * lz))
+
+
+def calibration_pushes(raw: Array, inputs: Array, order: int) -> Array:
+    """Derivatives (n, 9) of the acceleration with respect to l and B, the tilt being known."""
+    lx, lz, bias, g = inputs[0:3], inputs[3:6], inputs[6:9], inputs[13]
+    p, q = (float(factor) for factor in _turn(_tilt(inputs), order))
+    sensed = raw - bias
+    by_bias = np.broadcast_to(q * lz - p * lx, sensed.shape)
+    return np.asarray(g * np.concatenate([p * sensed, -q * sensed, by_bias], axis=1), float)
+
+
+def _tilt(inputs: NDArray[Any]) -> Any:
+    """The angle, Eq. (19) and (20)."""
+    lx, lz, at_rest = inputs[0:3], inputs[3:6], inputs[9:12] - inputs[6:9]
+    return np.arctan((lx @ at_rest) / (lz @ at_rest)) + inputs[12]
+
+
+def _turn(theta: Any, order: int) -> tuple[Any, Any]:
+    """Factors of acx and of -acz in the horizontal acceleration."""
+    if order == 0:
+        return 1.0, theta
+    if order == 1:
+        return 1.0 / (1.0 + theta * theta), theta / (1.0 + theta * theta)
+    return np.cos(theta), np.sin(theta)
 
 
 def velocity_weights(

@@ -19,6 +19,9 @@ from mcsim.errors import InputError
 
 #: Kinds of sensing element that a sensor may hold.
 ELEMENTS = ("accelerometer", "gyroscope")
+#: What a sensing element is, beside its quantities: how many axes it has, and whether it passes
+#: constant accelerations (``coupling: AC`` does not).
+TRAITS = ("axes", "coupling")
 #: Kinds of record that an element may hold, by their key in the file.
 ORIGINS = {"data_sheet": "data sheet", "measured": "measured"}
 
@@ -44,7 +47,7 @@ class Sensor:
     """A catalogue entry.
 
     ``elements`` maps an element to the quantities that a scenario takes, as text;
-    ``records`` to what its sources print.
+    ``records`` to what its sources print; ``traits`` are what an element is, see ``TRAITS``.
     """
 
     name: str
@@ -52,6 +55,15 @@ class Sensor:
     origin: str
     elements: Mapping[str, Mapping[str, Any]]
     records: Mapping[str, tuple[Record, ...]]
+    traits: Mapping[str, Mapping[str, Any]]
+
+    def axes(self, element: str) -> int:
+        """Axes of an element: three, or one."""
+        return int(self.traits[element].get("axes", 3))
+
+    def ac_coupled(self, element: str) -> bool:
+        """Whether an element passes no constant acceleration, such as gravity."""
+        return self.traits[element].get("coupling") == "AC"
 
 
 @cache
@@ -71,10 +83,11 @@ def _sensor(name: str, entry: Mapping[str, Any], sources: Mapping[str, str]) -> 
         description=entry["description"],
         origin=entry["origin"],
         elements={
-            element: {key: value for key, value in block.items() if key not in ORIGINS}
+            element: {k: v for k, v in block.items() if k not in ORIGINS and k not in TRAITS}
             for element, block in blocks.items()
         },
         records={element: _records(block, sources) for element, block in blocks.items()},
+        traits={e: {k: v for k, v in b.items() if k in TRAITS} for e, b in blocks.items()},
     )
 
 

@@ -62,7 +62,8 @@ def write_budget(scenario: Scenario, folder: Path) -> str:
     from mcsim.figures import write_figure
     from mcsim.figures.budget import draw_comparison, draw_shares
     from mcsim.gum import course_of_uncertainty, step_budget
-    from mcsim.gum.tables import budget_table, comparison_table, comparison_words
+    from mcsim.gum.tables import budget_table, comparison_table
+    from mcsim.gum.words import comparison_words
     from mcsim.results import circumstances
     from mcsim.scenario import VelocityScenario
     from mcsim.store import write_provenance, write_table, write_text

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from mcsim.scenario import VelocityScenario
 
 _SCENARIO_ENDINGS = (".yaml", ".yml")
+#: Full scales (g), and scale factors, that a sensor may have.
+_LEAST_SCALE, _LARGEST_SCALE = 1e-3, 1e6
+_SENSITIVITIES = (0.2, 5.0)
 _FILE = click.argument("file", type=click.Path(path_type=Path))
 _OUTPUT = click.option(
     "--output",
@@ -66,7 +69,7 @@ def calibrate(
     from mcsim.calibration import read_six_positions
     from mcsim.store import write_table, write_text
 
-    if file.suffix.lower() in _SCENARIO_ENDINGS:
+    if _is_scenario(file):
         test = _simulated_test(_velocity(file), samples, repetitions, _angle(alignment), seed)
     else:
         test = read_six_positions(file)
@@ -77,42 +80,57 @@ def calibrate(
     write_table(residuals, folder, "residuals")
     write_text(_block(fit), folder, "calibration.yaml")
     if not quiet:
+        import textwrap
+
+        from mcsim.calibration.words import calibration_words
         from mcsim.cli.tables import budget_summary
 
         click.echo(budget_summary(table))
+        click.echo("\n".join(textwrap.wrap(calibration_words(fit), 100)))
         click.echo(
-            f"{fit.freedom:.1f} degrees of freedom (Student's t), largest residual "
-            f"{abs(fit.residuals).max():.2g} g\n{folder / 'calibration.yaml'}"
+            f"largest residual {abs(fit.residuals).max():.2g} g\n{folder / 'calibration.yaml'}"
         )
 
 
 @click.command()
 @_FILE
 @click.option("--full-scale", help="Range of the sensor, such as 15 g; a scenario brings its own.")
+@click.option(
+    "--mxx",
+    type=click.FloatRange(*_SENSITIVITIES),
+    help="M0's element of a six-position test, for Eq. (34); a scenario brings its own.",
+)
 @_SEED
 @_OUTPUT
 @_QUIET
-def linearity(file: Path, full_scale: str | None, seed: int, output: Path, quiet: bool) -> None:
+def linearity(
+    file: Path,
+    full_scale: str | None,
+    mxx: float | None,
+    seed: int,
+    output: Path,
+    quiet: bool,
+) -> None:
     """Shaker test: straight line and non-linearity of an accelerometer.
 
     FILE is a CSV with the columns reference and measured (amplitudes in fractions of g), or a
     velocity scenario (YAML) with a block shaker, whose test is simulated.
     """
+    from mcsim.calibration.words import linearity_words
     from mcsim.figures import write_figure
     from mcsim.figures.linearity import draw_linearity
     from mcsim.store import write_table
 
+    if mxx is not None and _is_scenario(file):
+        raise InputError("--mxx: the scenario brings its own, from the matrix of its calibration")
     fit = linearity_of(file, full_scale, seed)
+    if _is_scenario(file):
+        mxx = _mxx(_velocity(file))
     folder = output / f"{file.stem}-linearity"
     write_table(linearity_table(fit), folder, "linearity")
     write_figure(draw_linearity([fit], [file.stem]), folder, "linearity")
     if not quiet:
-        click.echo(
-            f"slope {fit.slope:.6g}, offset {fit.offset:.3g} g, non-linearity "
-            f"{1e6 * fit.nonlinearity:.0f} ppm of {fit.full_scale:g} g\n"
-            f"its part of u(lxx), Eq. (34): {fit.scale_uncertainty(0.0):.2g}\n"
-            f"{folder / 'linearity.png'}"
-        )
+        click.echo(f"{linearity_words(fit, mxx)}\n{folder / 'linearity.png'}")
 
 
 def linearity_of(file: Path, full_scale: str | None, seed: int) -> LinearityFit:
@@ -122,7 +140,7 @@ def linearity_of(file: Path, full_scale: str | None, seed: int) -> LinearityFit:
     from mcsim.errors import UnitError
     from mcsim.units import KINDS, parse
 
-    if file.suffix.lower() in _SCENARIO_ENDINGS:
+    if _is_scenario(file):
         if full_scale is not None:
             raise InputError("--full-scale: the scenario brings its own, shaker.full_scale")
         return _simulated_linearity(file, _velocity(file), seed)
@@ -132,23 +150,41 @@ def linearity_of(file: Path, full_scale: str | None, seed: int) -> LinearityFit:
         scale = parse(full_scale, KINDS["sensor output"])
     except UnitError as error:
         raise InputError(f"--full-scale: {error}") from None
-    if scale <= 0.0:
-        raise InputError(f'--full-scale: "{full_scale}" must be above zero')
+    if not _LEAST_SCALE <= scale <= _LARGEST_SCALE:
+        raise InputError(
+            f'--full-scale: "{full_scale}" must lie between {1e3 * _LEAST_SCALE:g} mg and '
+            f"{_LARGEST_SCALE:g} g"
+        )
     return fit_of(*read_amplitudes(file), scale)
 
 
 def linearity_table(fit: LinearityFit) -> pd.DataFrame:
-    """Columns reference, measured, fitted and residual, in fractions of g and ppm."""
+    """Columns reference, measured (or simulated), fitted and residual: fractions of g and ppm."""
     import pandas as pd
+
+    found = "simulated" if fit.simulated else "measured"
 
     return pd.DataFrame(
         {
             "reference [g]": fit.reference,
-            "measured [g]": fit.measured,
+            f"{found} [g]": fit.measured,
             "fitted [g]": fit.measured - fit.residuals,
             "residual [ppm FS]": 1e6 * fit.residuals / fit.full_scale,
         }
     )
+
+
+def _is_scenario(path: Path) -> bool:
+    return path.suffix.lower() in _SCENARIO_ENDINGS
+
+
+def _mxx(model: VelocityScenario) -> float:
+    """The element of M0, the inverse of the correction L."""
+    import numpy as np
+
+    from mcsim.cases.velocity_samples import correction_of
+
+    return float(np.linalg.inv(correction_of(model.calibration)[0])[0, 0])
 
 
 def _velocity(path: Path) -> VelocityScenario:
@@ -208,7 +244,7 @@ def _simulated_linearity(path: Path, model: VelocityScenario, seed: int) -> Line
         )
     frequencies = np.linspace(shaker.lowest, shaker.highest, shaker.points)
     reference = shaker.amplitude * frequencies / shaker.highest
-    scale = 1.0 / model.calibration.lxx.estimate
+    scale = _mxx(model)
     measured = simulate_shaker(
         frequencies,
         reference,
@@ -220,7 +256,7 @@ def _simulated_linearity(path: Path, model: VelocityScenario, seed: int) -> Line
         shaker.series,
         np.random.default_rng(seed),
     )
-    return fit_of(reference, measured, shaker.full_scale)
+    return fit_of(reference, measured, shaker.full_scale, simulated=True)
 
 
 def _tables(fit: SixPositionFit) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -236,9 +272,20 @@ def _tables(fit: SixPositionFit) -> tuple[pd.DataFrame, pd.DataFrame]:
             repeated[f"b{a}"] = float(biases[i])
             for j, b in enumerate(AXES):
                 repeated[f"l{a}{b}"] = float(corrections[i, j])
+    rows = [
+        (name, e.value, e.uncertainty, e.freedom, e.coverage_factor, repeated.get(name))
+        for name, e in fit.estimates().items()
+    ]
     table = pd.DataFrame(
-        [(name, value, u, repeated.get(name)) for name, (value, u) in fit.estimates().items()],
-        columns=["quantity", "estimate", "uncertainty", "from repetitions alone"],
+        rows,
+        columns=[
+            "quantity",
+            "estimate",
+            "uncertainty",
+            "degrees of freedom",
+            "k (95 %)",
+            "from repetitions alone",
+        ],
     )
     residuals = pd.DataFrame(
         [
@@ -254,15 +301,22 @@ def _tables(fit: SixPositionFit) -> tuple[pd.DataFrame, pd.DataFrame]:
 def _block(fit: SixPositionFit) -> str:
     """The ``calibration`` block of a velocity scenario."""
     lines = [
-        "# Correction ac = L (am - B) of a six-position test; uncertainties from its residuals."
+        "# Correction ac = L (am - B) of a six-position test. Uncertainties are k u / 1.96, the",
+        "# deviation of a normal distribution with the 95 % interval of Student's t; comments tell",
+        "# the standard uncertainty u, its degrees of freedom, and k.",
+        "calibration:",
     ]
-    lines.append("calibration:")
-    for name, (value, u) in fit.estimates().items():
-        if name.startswith("ly"):
+    for name, e in fit.estimates().items():
+        if name[0] == "m" or name.startswith("ly"):
             continue  # no equation uses the corrected y
         unit = " g" if name.startswith("b") else ""
-        lines.append(f"  {name}: {{estimate: {value:.6g}{unit}, uncertainty: {u:.3g}{unit}}}")
-    if fit.noise is not None:
-        x, y, z = fit.noise
+        lines.append(
+            f"  {name}: {{estimate: {e.value:.9g}{unit}, "
+            f"uncertainty: {e.normal_uncertainty:.3g}{unit}}}"
+            f"  # u {e.uncertainty:.3g}, {e.freedom:.3g} degrees of freedom, "
+            f"k = {e.coverage_factor:.3g}"
+        )
+    if fit.scatter is not None:
+        x, y, z = fit.scatter.deviation
         lines += ["sensor:", f"  noise: {{x: {x:.3g} g, y: {y:.3g} g, z: {z:.3g} g}}"]
     return "\n".join(lines) + "\n"

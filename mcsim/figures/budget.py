@@ -36,6 +36,10 @@ _UNITS = {"Dv": "m/s", "acx": "g"}
 
 def _draw_bars(axes: Axes, rows: Sequence[BudgetRow]) -> None:
     total = sum(row.variance for row in rows)
+    if not total > 0.0:
+        axes.set_axis_off()
+        axes.annotate("no uncertainty", (0.5, 0.5), xycoords="axes fraction", ha="center")
+        return
     shares = sorted(((row.variance / total, row.quantity) for row in rows), reverse=True)
     shown = [(share, name) for share, name in shares if share >= _LEAST_SHARE]
     rest = [(share, name) for share, name in shares if share < _LEAST_SHARE]
@@ -103,7 +107,7 @@ def _draw_sources(axes: Axes, course: Course) -> None:
             )
     axes.set_yticks(y, [*names, "all together"])
     axes.invert_yaxis()
-    axes.set_xlim(0.0, 1.15 * max(*summed, *simulated))
+    axes.set_xlim(0.0, 1.15 * max(*summed, *simulated) or 1.0)
     axes.set_xlabel(f"u(v) of one run after {course.time[-1]:.3g} s, source alone [m/s]")
     axes.grid(visible=False, axis="y")
     axes.legend(loc="upper right")
@@ -121,7 +125,7 @@ def draw_runs(
         figure = Figure(figsize=(9.6, 3.6), layout="constrained")
         left, right = figure.subplots(1, 2, sharey=True)
         left.plot(time, runs, color=_SUMMED, alpha=0.45, linewidth=0.8)
-        left.plot([], [], color=_SUMMED, alpha=0.6, label=f"{runs.shape[1]} runs")
+        left.plot([], [], color=_SUMMED, alpha=0.6, label=f"{runs.shape[1]} simulated runs")
         left.plot(time, mean, color=curve_colour(2, 4), linewidth=2.0, label="their mean")
         right.fill_between(
             time,

@@ -1,4 +1,4 @@
-"""Measured over reference acceleration of a shaker test: Figure 12."""
+"""Measured or simulated over reference acceleration of a shaker test: Figure 12."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ def draw_linearity(fits: Sequence[LinearityFit], names: Sequence[str]) -> Figure
         for (above, below), fit, name in zip(panels.T, fits, names, strict=True):
             ends = np.array([0.0, fit.reference.max()])
             above.plot(ends, fit.slope * ends + fit.offset, color=_LINE, label="straight line")
-            above.plot(fit.reference, fit.measured, "o", color=_POINTS, label="measured")
+            found = "simulated" if fit.simulated else "measured"
+            above.plot(fit.reference, fit.measured, "o", color=_POINTS, label=found)
             above.set_title(
                 f"{name}: slope {fit.slope:.4f}, "
                 f"non-linearity {1e6 * fit.nonlinearity:.0f} ppm of {fit.full_scale:g} g"
             )
-            above.set_ylabel("measured amplitude [g]")
+            above.set_ylabel(f"{found} amplitude [g]")
             above.legend(loc="upper left")
             below.axhline(0.0, color="#6b7280", linewidth=0.8)
             below.plot(fit.reference, 1e6 * fit.residuals / fit.full_scale, "o-", color=_POINTS)

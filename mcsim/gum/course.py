@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.cases.velocity import VelocityProblem
+from mcsim.cases.velocity_linear import calibration_pushes
 from mcsim.engine import point_key
 from mcsim.gum.budget import correction
 from mcsim.gum.propagation import step_sensitivities, tilt_sensitivities
@@ -42,7 +43,9 @@ class Course:
     deviation of a single run by source acting alone, ``total`` of all together,
     ``total_mean`` that of the mean of ``runs`` runs; ``scatter`` is s(v), and
     ``other_scatter`` what it is with the other kind of time errors than the scenario's
-    (``stamps`` or independent intervals).
+    (``stamps`` or independent intervals).  ``by_acceleration`` is what the errors of the
+    calibration would make of the velocity if they entered the acceleration alone, and not the
+    initial tilt as well (to first order).
     """
 
     time: Array
@@ -56,6 +59,7 @@ class Course:
     scatter: Array
     other_scatter: Array
     stamps: bool
+    by_acceleration: Array
     sensor_terms: tuple[str, ...] = ()
 
     @property
@@ -96,6 +100,7 @@ def course_of_uncertainty(model: VelocityScenario, groups: int = GROUPS) -> Cour
         scatter=scatter,
         other_scatter=_deviations(replace(problem, stamps=not problem.stamps), key, groups)[2],
         stamps=problem.stamps,
+        by_acceleration=_by_acceleration(problem),
         sensor_terms=terms,
     )
 
@@ -141,6 +146,13 @@ def _summed(model: VelocityScenario, problem: VelocityProblem) -> tuple[dict[str
         {source: np.sqrt(variance) for source, variance in sums.items()},
         np.sum([variance for source, variance in sums.items() if source != "noise"], axis=0),
     )
+
+
+def _by_acceleration(problem: VelocityProblem) -> Array:
+    """Deviation (n + 1,) of the velocity from the calibration's errors at a known tilt."""
+    pushes = calibration_pushes(problem.raw, problem.inputs, problem.tilt_order)
+    velocity = problem.interval * np.cumsum(pushes, axis=0) * problem.uncertainties[:9]
+    return np.append(0.0, np.sqrt(np.sum(velocity**2, axis=1)))
 
 
 def _only(problem: VelocityProblem, source: str) -> VelocityProblem:

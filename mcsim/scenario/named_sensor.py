@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BeforeValidator
+from pydantic import AfterValidator, BeforeValidator
 
-from mcsim.scenario.sensor_block import AccelerometerErrors, named
+from mcsim import catalogue
+from mcsim.scenario.fields import reject
+from mcsim.scenario.sensor_block import AccelerometerErrors, is_file, named
 from mcsim.scenario.sensor_file import file_element
 
 
@@ -16,3 +18,19 @@ def named_element(element: str) -> BeforeValidator:
 
 
 NamedAccelerometer = Annotated[AccelerometerErrors, named_element("accelerometer")]
+
+
+def passes_constants(block: AccelerometerErrors) -> AccelerometerErrors:
+    """Refuse a sensor that reads no constant acceleration: nothing can be reckoned from it."""
+    if block.model is None or is_file(block.model):
+        return block
+    sensor = catalogue.find(block.model)
+    if sensor.ac_coupled("accelerometer"):
+        raise reject(
+            f"{sensor.name} is AC-coupled: it passes no constant acceleration, which dead "
+            "reckoning needs; use it in a vibration scenario, or name another sensor"
+        )
+    return block
+
+
+ReckoningAccelerometer = Annotated[NamedAccelerometer, AfterValidator(passes_constants)]

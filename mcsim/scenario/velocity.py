@@ -24,12 +24,21 @@ from mcsim.scenario.fields import (
     Time,
     reject,
 )
-from mcsim.scenario.named_sensor import NamedAccelerometer
+from mcsim.scenario.named_sensor import ReckoningAccelerometer
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
 
 #: Rows of the source's budget tables.
 BUDGET_ROWS = 26
 _LONGEST = 3600.0
+#: Bounds of what a correction of a sensor that works may hold: factors, and biases (g).
+_LARGEST_FACTOR, _LARGEST_BIAS = 100.0, 1000.0
+#: Gravity (m/s²) from small bodies to large ones; accelerations in fractions of it stay finite.
+_GRAVITY = (0.01, 1000.0)
+#: The largest acceleration of a vehicle (m/s²), and angle of its tilt (rad).
+_LARGEST_ACCELERATION, _LARGEST_ANGLE = 1e5, 1.5
+#: Full scale and amplitudes of a shaker test (g), and its samples in all.
+_SHAKEN = (1e-3, 1e6)
+_MOST_SHAKEN = 100_000_000
 
 
 class Swing(Block):
@@ -47,7 +56,7 @@ class PitchSwing(Swing):
 class VerticalSwing(Swing):
     """Vertical acceleration of uneven ground."""
 
-    amplitude: Acceleration = 0.0
+    amplitude: Annotated[Acceleration, Ge(-_LARGEST_ACCELERATION), Le(_LARGEST_ACCELERATION)] = 0.0
 
 
 class StraightRun(Block):
@@ -55,7 +64,7 @@ class StraightRun(Block):
 
     top_speed: Annotated[Speed, Ge(1e-6)]
     """Speed between acceleration and braking."""
-    acceleration: Annotated[Acceleration, Positive] = 2.0
+    acceleration: Annotated[Acceleration, Positive, Le(_LARGEST_ACCELERATION)] = 2.0
     """Magnitude of the acceleration and of the braking."""
     duration: Annotated[Time, Positive, Le(_LONGEST)] = 1.5
     """From standstill to standstill."""
@@ -99,7 +108,7 @@ class RawAccelerometer(Block):
     """A tri-axial accelerometer with output in fractions of g."""
 
     rate: Annotated[Frequency, Positive, Ge(0.1), Le(100_000.0)]
-    accelerometer: NamedAccelerometer | None = None
+    accelerometer: ReckoningAccelerometer | None = None
     """Error terms of the raw output: a built-in sensor's name, a sensor file, or a block.
     Offsets, scale factors and angles are drawn once per group of runs; drifts begin with the
     rest and go on through all its runs."""
@@ -152,22 +161,22 @@ class RawAccelerometer(Block):
 class Number(Block):
     """A dimensionless quantity: estimate and standard uncertainty."""
 
-    estimate: FiniteFloat
-    uncertainty: Annotated[FiniteFloat, NotNegative] = 0.0
+    estimate: Annotated[FiniteFloat, Ge(-_LARGEST_FACTOR), Le(_LARGEST_FACTOR)]
+    uncertainty: Annotated[FiniteFloat, NotNegative, Le(_LARGEST_FACTOR)] = 0.0
 
 
 class Bias(Block):
     """A zero bias: estimate and standard uncertainty."""
 
-    estimate: SensorOutput
-    uncertainty: Annotated[SensorOutput, NotNegative] = 0.0
+    estimate: Annotated[SensorOutput, Ge(-_LARGEST_BIAS), Le(_LARGEST_BIAS)]
+    uncertainty: Annotated[SensorOutput, NotNegative, Le(_LARGEST_BIAS)] = 0.0
 
 
 class Gravity(Block):
     """Acceleration of gravity where the sensor was calibrated."""
 
-    estimate: Annotated[Acceleration, Positive] = 9.80665
-    uncertainty: Annotated[Acceleration, NotNegative] = 0.0
+    estimate: Annotated[Acceleration, Ge(_GRAVITY[0]), Le(_GRAVITY[1])] = 9.80665
+    uncertainty: Annotated[Acceleration, NotNegative, Le(_GRAVITY[1])] = 0.0
 
 
 class Calibration(Block):
@@ -194,7 +203,7 @@ class Calibration(Block):
 class Tilt(Block):
     """The angle between sensor and horizontal while moving, Eq. (16)–(20)."""
 
-    change: Annotated[Angle, NotNegative] = 0.0
+    change: Annotated[Angle, NotNegative, Le(_LARGEST_ANGLE)] = 0.0
     """Standard uncertainty u(δα) of its change after the rest; the estimate is zero."""
     order: Literal["first", "second", "exact"] = "first"
     """`first` is Eq. (15), `second` Eq. (12) solved for aX, `exact` the whole rotation."""
@@ -203,13 +212,13 @@ class Tilt(Block):
 class Shaker(Block):
     """The harmonic test that shows the non-linearity of the scale factor of axis x."""
 
-    full_scale: Annotated[SensorOutput, Positive]
-    nonlinearity: Annotated[Ratio, NotNegative]
+    full_scale: Annotated[SensorOutput, Ge(_SHAKEN[0]), Le(_SHAKEN[1])]
+    nonlinearity: Annotated[Ratio, NotNegative, Le(1.0)]
     """What the test is to find, as a share of the full scale."""
     lowest: Annotated[Frequency, Positive] = 1.0
     highest: Annotated[Frequency, Positive] = 10.0
     points: Annotated[int, Whole, Ge(4), Le(1000)] = 10
-    amplitude: Annotated[SensorOutput, Positive] = 1.0
+    amplitude: Annotated[SensorOutput, Ge(_SHAKEN[0]), Le(_SHAKEN[1])] = 1.0
     """Amplitude at the highest frequency; in proportion at the others."""
     duration: Annotated[Time, Positive, Le(_LONGEST)] = 10.0
     """Time at each frequency."""
@@ -218,8 +227,12 @@ class Shaker(Block):
 
     @model_validator(mode="after")
     def _ascending(self) -> Shaker:
-        if self.highest <= self.lowest:
-            raise reject("`highest` must be above `lowest`")
+        if self.highest < 1.1 * self.lowest:
+            raise reject("`highest` must be above `lowest`, by a tenth at least")
+        if self.duration * self.lowest < 1.0 - 1e-9:
+            raise reject(
+                f"`duration` must hold a period of the lowest frequency, {1.0 / self.lowest:.4g} s"
+            )
         return self
 
 
@@ -235,9 +248,21 @@ class BudgetPoint(Block):
     interval: Annotated[Time, Positive] | None = None
     """Δt, row 26; one sampling interval if absent."""
     printed: (
-        Annotated[tuple[Annotated[float, Positive], ...], Len(BUDGET_ROWS, BUDGET_ROWS)] | None
+        Annotated[
+            tuple[Annotated[float, Ge(1e-100), Le(1e100)], ...], Len(BUDGET_ROWS, BUDGET_ROWS)
+        ]
+        | None
     ) = None
     """Variances that a publication prints for the 26 rows, to be compared."""
+
+    @model_validator(mode="after")
+    def _senses_gravity(self) -> BudgetPoint:
+        if abs(self.rest_z.estimate) < 0.01:
+            raise reject(
+                "rest_z: at rest the upward axis reads about 1 g; the initial tilt, Eq. (20), "
+                f"cannot follow from {self.rest_z.estimate:g} g"
+            )
+        return self
 
 
 class VelocityScenario(CaseScenario):
@@ -270,6 +295,24 @@ class VelocityScenario(CaseScenario):
             if after <= before:
                 raise reject(f"must ascend, but {after:g} s follows {before:g} s")
         return value
+
+    @model_validator(mode="after")
+    def _shaker_sampled(self) -> VelocityScenario:
+        shaker, rate = self.shaker, self.sensor.rate
+        if shaker is None:
+            return self
+        if shaker.highest >= 0.5 * rate:
+            raise reject(
+                f"shaker.highest: {shaker.highest:g} Hz must lie below half of the sensor's rate, "
+                f"{0.5 * rate:g} Hz"
+            )
+        samples = shaker.duration * rate * shaker.points * shaker.series
+        if samples > _MOST_SHAKEN:
+            raise reject(
+                f"shaker: {samples:,.0f} samples in all are more than the {_MOST_SHAKEN:,} that "
+                "are simulated; shorten `duration`, or lower `points` or `series`"
+            )
+        return self
 
     @model_validator(mode="after")
     def _instants_within_the_run(self) -> VelocityScenario:

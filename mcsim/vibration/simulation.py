@@ -7,6 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from mcsim import catalogue
+from mcsim.scenario.sensor_block import is_file
 from mcsim.sensors.signal_errors import Element, SignalErrors, signal_errors
 from mcsim.units import STANDARD_GRAVITY
 from mcsim.vibration.excitation import acceleration
@@ -23,7 +25,9 @@ _PIECE = 1 << 18
 def simulate(
     scenario: VibrationScenario, name: str, progress: Callable[[float], None] = lambda _: None
 ) -> Log:
-    """The simulated log: three channels x, y, z in m/s².
+    """The simulated log: channels x, y, z in m/s², or that of the one axis that a sensor has.
+
+    A sensor of one axis lies along the excitation; one that is AC-coupled reads no gravity.
 
     Parameters
     ----------
@@ -33,22 +37,47 @@ def simulate(
     progress : callable
         Is told the share done, 0 to 1.
     """
-    errors = signal_errors(scenario.sensor)
+    built_in = _built_in(scenario)
+    alone = built_in is not None and built_in.axes("accelerometer") == 1
+    constant = built_in is None or not built_in.ac_coupled("accelerometer")
+    channels = (scenario.along,) if alone else AXES
+    errors = signal_errors(scenario.sensor, len(channels))
     dense = oversampling(errors, scenario.rate)
     count = round(scenario.duration * scenario.rate)
     element = Element(errors, scenario.rate, scenario.duration, scenario.seed, dense)
-    axis = AXES.index(scenario.along)
     pieces = []
     for first in range(0, count * dense, _PIECE):
         last = min(first + _PIECE, count * dense)
         time = np.arange(first, last) / (scenario.rate * dense)
-        ideal = np.zeros((last - first, len(AXES)))
-        ideal[:, axis] = acceleration(scenario.excitation, time, scenario.duration)
-        if scenario.gravity:
-            ideal[:, 2] += STANDARD_GRAVITY
+        ideal = np.zeros((last - first, len(channels)))
+        ideal[:, channels.index(scenario.along)] = acceleration(
+            scenario.excitation, time, scenario.duration
+        )
+        if scenario.gravity and constant and "z" in channels:
+            ideal[:, channels.index("z")] += STANDARD_GRAVITY
         pieces.append(element.measure(ideal))
         progress(last / (count * dense))
-    return Log(name, AXES, np.vstack(pieces), scenario.rate)
+    notes = _notes(built_in, scenario.along) if built_in is not None else ()
+    return Log(name, channels, np.vstack(pieces), scenario.rate, notes)
+
+
+def _built_in(scenario: VibrationScenario) -> catalogue.Sensor | None:
+    """The built-in sensor that the scenario's is made from."""
+    model = scenario.sensor.model
+    return catalogue.find(model) if model is not None and not is_file(model) else None
+
+
+def _notes(sensor: catalogue.Sensor, along: str) -> tuple[str, ...]:
+    """What a sensor of its kind does not see."""
+    notes = []
+    if sensor.axes("accelerometer") == 1:
+        notes.append(f"{sensor.name} has one axis, which lies along {along}")
+    if sensor.ac_coupled("accelerometer"):
+        notes.append(
+            f"{sensor.name} is AC-coupled and reads no gravity; its lower limit, which the source "
+            "does not give, is not simulated"
+        )
+    return tuple(notes)
 
 
 def oversampling(errors: SignalErrors, rate: float) -> int:
