@@ -118,7 +118,7 @@ def _analyse(channel: Channel, log: Log, settings: Settings) -> ChannelResult:
     curve = overlapping
     if settings.estimator == "non-overlapping":
         curve = allan_curve(channel.samples, rate, overlapping.factors, overlapping=False)
-    degrees = degrees_of_freedom(curve, fit.squares[:NOISES])
+    degrees = degrees_of_freedom(curve, np.maximum(fit.squares[:NOISES], 0.0))
     low, high = intervals(curve, degrees, settings.confidence)
     return ChannelResult(
         seen, curve, low, high, fitted, fit, white_floor(seen.spectrum), _bias(seen, rate, fit)

@@ -159,10 +159,10 @@ class _Curve:
         from scipy.special import digamma, polygamma
 
         self.problem = problem
-        self.design = allan_terms(problem.tau)
+        self.design = problem.design
         covariance = problem.covariance(squares)
         deviation = np.sqrt(np.diagonal(covariance))
-        half = (self.design @ squares / deviation) ** 2  # half the degrees of freedom
+        half = (allan_terms(problem.tau) @ squares / deviation) ** 2  # half the degrees of freedom
         values, vectors = np.linalg.eigh(covariance / np.outer(deviation, deviation))
         correlation = (vectors * np.maximum(values, _LEAST_EIGENVALUE)) @ vectors.T
         scale = np.sqrt(polygamma(1, half) / np.diagonal(correlation))
@@ -199,7 +199,7 @@ class _Curve:
                 break
             last = chi_square
         squares = np.zeros(len(TERMS))
-        squares[list(terms)] = (solution / size)[: len(terms)]
+        squares[list(terms)] = (solution / size)[: len(terms)] * self.problem.signs[list(terms)]
         if time is None:
             return _Candidate(squares, expected, chi_square, len(terms))
         drive = float(solution[-1] / size[-1])
