@@ -119,7 +119,7 @@ def fit_noise(
     problem = problem.part(slice(first, None))
     curve = curve.part(np.arange(first, len(curve.factors)))
     problem, terms, solution = _choose_terms(problem, first > 0)
-    comparison = compare(problem, terms, solution.squares)
+    comparison = compare(problem, terms, solution.squares, confidence)
     found = {}
     if comparison.is_gauss_markov and comparison.process is not None:
         white = _white_part(problem, comparison.process)
@@ -184,9 +184,7 @@ def _problem(
     return part, Problem(part.tau, variance, covariances(part))
 
 
-def _choose_terms(
-    problem: Problem, shaped: bool
-) -> tuple[Problem, tuple[int, ...], Solution]:
+def _choose_terms(problem: Problem, shaped: bool) -> tuple[Problem, tuple[int, ...], Solution]:
     """The kept terms, and those others that lower χ² by enough.
 
     A filter's term is in where short clusters were ``shaped`` by one, or where it shows.
@@ -219,4 +217,3 @@ def _allow_for_the_model(
         problem = replace(problem, model_error=problem.model_error * _MODEL_ERROR_STEP)
         solution = solve(problem, terms)
     return problem, solution
-

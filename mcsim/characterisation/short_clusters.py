@@ -50,7 +50,10 @@ def first_that_follows(problem: Problem) -> int:
 def _inside_of_a_memory(problem: Problem) -> int:
     """Number of clusters up to the maximum of a curve that does not fall at its beginning."""
     longest = int(np.searchsorted(problem.tau, _LONGEST_MEMORY * problem.tau[0]))
-    ratios = problem.variance[1 : longest + 1] / problem.variance[: len(problem.variance[1 : longest + 1])]
+    ratios = (
+        problem.variance[1 : longest + 1]
+        / problem.variance[: len(problem.variance[1 : longest + 1])]
+    )
     falls = ratios < _RISES
     return int(np.argmax(falls)) if np.any(falls) else 0
 
