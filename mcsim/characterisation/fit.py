@@ -59,7 +59,8 @@ class NoiseFit:
 
     ``squares`` float64 (5,) are Q², N², B², K², R² in SI units.  ``model_error`` is the
     relative error of the variance at each cluster time that the model is allowed.  ``memory``
-    (s) is that of a filter in the output, 0 without one; Q² is negative then.  Where there is a Gauss-Markov bias, the coefficient N is that of the clusters with more white noise.
+    (s) is that of a filter in the output, 0 without one; Q² is negative then.  Where there is a
+    Gauss-Markov bias, the coefficient N is that beside it.
     """
 
     coefficients: dict[str, Coefficient]
@@ -125,7 +126,8 @@ def fit_noise(
         white = _white_part(problem, comparison.process)
         beside = _allow_for_the_model(white, terms, solve(white, terms))
         whole = curve.part(np.arange(len(white.tau)))
-        found["N"] = _coefficients(whole, *beside, terms, confidence, intervals)["N"]
+        short = _coefficients(whole, *beside, terms, confidence, intervals)["N"]
+        found["N"] = _white_beside(comparison.process, short)
     problem, solution = _allow_for_the_model(problem, terms, solution)
     found = _coefficients(curve, problem, solution, terms, confidence, intervals) | found
     return NoiseFit(
@@ -141,6 +143,15 @@ def fit_noise(
         comparison=comparison,
         memory=memory(solution),
     )
+
+
+def _white_beside(process: GaussMarkovFit, short: Coefficient) -> Coefficient:
+    """N of the fit with a process, and an interval no narrower than that of short clusters."""
+    value, factor = process.coefficient(N), process.white_factor
+    if not (value and short.value):
+        return short
+    low = min(1.0 / factor, short.low / short.value)
+    return Coefficient(value, low * value, max(factor, short.high / short.value) * value)
 
 
 def _white_part(problem: Problem, process: GaussMarkovFit) -> Problem:

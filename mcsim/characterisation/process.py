@@ -38,7 +38,8 @@ class GaussMarkovFit:
 
     ``squares`` (5,) are Q², N², B², K², R² beside the process; ``chi_square`` is the misfit.
     ``time_low``, ``time_high`` (s) and ``deviation_low``, ``deviation_high`` are intervals; from
-    zero to infinity where the curve was not asked for them, or gives no end.
+    zero to infinity where the curve was not asked for them, or gives no end.  N's interval is
+    N over and times ``white_factor``.
     """
 
     model: GaussMarkov
@@ -48,6 +49,7 @@ class GaussMarkovFit:
     time_high: float = math.inf
     deviation_low: float = 0.0
     deviation_high: float = math.inf
+    white_factor: float = 1.0
 
     def coefficient(self, term: int) -> float:
         """Coefficient of a noise beside the process; ``term`` as in ``problem.TERMS``."""

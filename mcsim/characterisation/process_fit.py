@@ -54,13 +54,16 @@ def settled(problem: Problem, found: GaussMarkovFit, confidence: float) -> Gauss
         squares, drive, time = best.squares, best.drive, best.time
     low, high = _times(curve, terms, best, confidence)
     fit = process_of(best)
-    factor = math.exp(_quantile(confidence) * _log_deviation_error(curve, terms, best))
+    white, deviation = (
+        math.exp(_quantile(confidence) * error) for error in _log_errors(curve, terms, best)
+    )
     return replace(
         fit,
         time_low=low,
         time_high=high,
-        deviation_low=fit.model.deviation / factor,
-        deviation_high=fit.model.deviation * factor,
+        deviation_low=fit.model.deviation / deviation,
+        deviation_high=fit.model.deviation * deviation,
+        white_factor=white,
     )
 
 
@@ -122,20 +125,22 @@ def _times(
     return ends[0], ends[1]
 
 
-def _log_deviation_error(curve: LogCurve, terms: tuple[int, ...], best: Candidate) -> float:
-    """Standard error of the logarithm of the process's deviation: half that of qc² Tc."""
+def _log_errors(curve: LogCurve, terms: tuple[int, ...], best: Candidate) -> tuple[float, float]:
+    """Standard errors of the logarithms of N and of the process's deviation, √(qc² Tc / 2)."""
     tau, small = curve.problem.tau, 1e-3
     unit = gauss_markov_variance(tau, best.time)
     longer, shorter = (gauss_markov_variance(tau, best.time * math.exp(s)) for s in (small, -small))
+    used = [term for term in terms if best.squares[term]]
     columns = [
-        *(allan_terms(tau)[:, [t for t in terms if best.squares[t]]] * 1.0).T,
+        *(allan_terms(tau)[:, used] * best.squares[used]).T,
         best.drive * unit,
         best.drive * (longer - shorter) / (2.0 * small),
     ]
     relative = curve.whitening @ (np.column_stack(columns) / best.expected[:, None])
     size = np.linalg.norm(relative, axis=0)
     covariance = np.linalg.pinv((relative / size).T @ (relative / size)) / np.outer(size, size)
-    return 0.5 * float(np.sqrt(covariance[-2:, -2:].sum()))
+    white = covariance[used.index(N), used.index(N)] if N in used else 0.0
+    return 0.5 * float(np.sqrt(white)), 0.5 * float(np.sqrt(covariance[-2:, -2:].sum()))
 
 
 def _quantile(confidence: float) -> float:
