@@ -26,6 +26,7 @@ from mcsim.characterisation.fit import fit_noise
 from mcsim.characterisation.nonnegative import nonnegative_squares
 from mcsim.characterisation.problem import N, Problem
 from mcsim.characterisation.process import GaussMarkov
+from mcsim.characterisation.process_fit import settled
 from mcsim.errors import InputError
 from tests.reference.noise import THESIS, gauss_markov, in_si, static_noise
 
@@ -309,7 +310,9 @@ def test_fits_of_the_comparison_solve_their_equations():
     assert found.model.correlation_time == pytest.approx(300.0, rel=0.1)
     assert found.model.deviation == pytest.approx(0.1, rel=0.1)
     assert found.coefficient(N) == pytest.approx(1.0, rel=0.01)
-    assert found.time_low < 300.0 < found.time_high
+    close = settled(problem, found, 0.95)
+    assert close.time_low < 300.0 < close.time_high < 1.2 * close.time_low
+    assert close.deviation_low < 0.1 < close.deviation_high < 1.2 * close.deviation_low
     # σ² is the area below the density on both sides.
     frequency = np.geomspace(1e-7, 1e3, 100_001)
     area = 2.0 * np.trapezoid(process.density(frequency), frequency)

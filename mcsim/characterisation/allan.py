@@ -12,6 +12,7 @@ from mcsim.errors import InputError
 from mcsim.kernels.allan import (
     NOISES,
     allan_covariances,
+    process_covariance,
     separate_variances,
     squares_of_stretches,
 )
@@ -158,10 +159,27 @@ class Covariances:
 
     products: Array
     ramps: Array
+    interval: float
+    length: float
 
     def part(self, which: slice) -> Covariances:
         """Of some of the cluster times."""
-        return Covariances(self.products[:, :, which, which], self.ramps[:, which, which])
+        return replace(
+            self,
+            products=self.products[:, :, which, which],
+            ramps=self.ramps[:, which, which],
+        )
+
+    def with_process(self, tau: Array, squares: Array, drive: float, time: float) -> Array:
+        """Covariance matrix (k, k) for Q², N², B², K² and a Gauss-Markov process.
+
+        ``drive`` is its qc², ``time`` its correlation time (s), ``tau`` (k,) the cluster times.
+        """
+        covariance = np.empty((len(tau), len(tau)))
+        process_covariance(
+            tau, self.interval, self.length, squares[:NOISES], drive, time, covariance
+        )
+        return covariance
 
     def of(self, squares: Array, ramp: float = 0.0) -> Array:
         """Covariance matrix (k, k) for Q², N², B², K² and the square of a rate ramp."""
@@ -175,7 +193,7 @@ def _covariances(factors: tuple[int, ...], interval: float, length: float) -> Co
     products = np.empty((NOISES, NOISES, len(tau), len(tau)))
     ramps = np.empty((NOISES, len(tau), len(tau)))
     allan_covariances(tau, interval, length, products, ramps)
-    return Covariances(products, ramps)
+    return Covariances(products, ramps, interval, length)
 
 
 def covariances(curve: AllanCurve) -> Covariances:

@@ -18,8 +18,9 @@ from mcsim.characterisation.allan import (
     intervals,
 )
 from mcsim.characterisation.bias import BiasTracking, analyse_bias
-from mcsim.characterisation.findings import Finding, Inspection, check_length, inspect
+from mcsim.characterisation.findings import Inspection, check_length, inspect
 from mcsim.characterisation.fit import Intervals, NoiseFit, fit_noise
+from mcsim.characterisation.health import Finding
 from mcsim.characterisation.spectrum import white_floor
 from mcsim.errors import InputError
 from mcsim.kernels.allan import NOISES
@@ -118,7 +119,7 @@ def _analyse(channel: Channel, log: Log, settings: Settings) -> ChannelResult:
     curve = overlapping
     if settings.estimator == "non-overlapping":
         curve = allan_curve(channel.samples, rate, overlapping.factors, overlapping=False)
-    degrees = degrees_of_freedom(curve, fit.squares[:NOISES])
+    degrees = degrees_of_freedom(curve, np.maximum(fit.squares[:NOISES], 0.0))
     low, high = intervals(curve, degrees, settings.confidence)
     return ChannelResult(
         seen, curve, low, high, fitted, fit, white_floor(seen.spectrum), _bias(seen, rate, fit)
@@ -126,9 +127,12 @@ def _analyse(channel: Channel, log: Log, settings: Settings) -> ChannelResult:
 
 
 def _bias(seen: Inspection, rate: float, fit: NoiseFit) -> BiasTracking | None:
-    """None where the log shows no bias beside its white noise."""
+    """None where the log shows no bias beside its white noise; of the fitted process, if any."""
+    process = fit.gauss_markov
     try:
-        return analyse_bias(seen.samples, rate, fit["N"].value)
+        return analyse_bias(
+            seen.samples, rate, fit["N"].value, process.model if process is not None else None
+        )
     except InputError:
         return None
 
@@ -171,7 +175,7 @@ def _of_fit(result: ChannelResult, duration: float) -> list[Finding]:
     name, fit, bias = result.channel.name, result.fit, result.bias
     found = []
     ratio = result.floor / fit["N"].value if fit["N"].value else 1.0
-    if abs(ratio - 1.0) > _FLAT:
+    if abs(ratio - 1.0) > max(_FLAT, 1.5 * (fit["N"].high - fit["N"].low) / fit["N"].value):
         text = (
             f"the spectrum's floor (1/50 to 2/5 of the rate) gives an N {ratio - 1.0:+.0%} from "
             "that of the fit: the noise is not white up to there (filter, aliasing)"
@@ -179,19 +183,32 @@ def _of_fit(result: ChannelResult, duration: float) -> list[Finding]:
         found.append(Finding("spectrum", name, text))
     if fit.tau_from > 1.5 * result.fitted.interval and not fit.stated_range:
         text = (
-            f"clusters below {fit.tau_from:.3g} s do not follow the model (filter, coloured "
-            "noise): the fit begins there"
+            f"clusters below {fit.tau_from:.3g} s do not follow the model (filter, values held, "
+            f"coloured noise): the fit begins there, and N is that of low frequencies"
         )
         found.append(Finding("bandwidth", name, text))
+    if "R" in fit.coefficients:
+        found.append(Finding("ramp", name, _ramp(result, duration)))
     slow = bias is not None and bias.model.correlation_time > _OWN_TIME * duration
     if bias is not None and slow and fit.gauss_markov is None:
         text = (
             f"the autocorrelation falls to 1/e after {bias.model.correlation_time:.3g} s, more "
-            f"than {_OWN_TIME:.0%} of the log: flicker or a random walk rather than a "
-            "Gauss-Markov bias; Tc and σ hold for logs of this length"
+            f"than {_OWN_TIME:.0%} of the log: flicker, a random walk or a drift rather than a "
+            "Gauss-Markov bias"
         )
         found.append(Finding("bias", name, text))
     return found
+
+
+def _ramp(result: ChannelResult, duration: float) -> str:
+    from mcsim.characterisation.sensor_file import ramp
+
+    c = result.fit["R"]
+    return (
+        f"the output drifts by a ramp R of {ramp(result.channel.element, c)}, "
+        f"{duration:.4g} s long; a scenario has no ramp: sensor.yaml names it, and its noise "
+        "terms are those beside it"
+    )
 
 
 def _duration(seconds: float) -> str:

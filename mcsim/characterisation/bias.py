@@ -184,10 +184,13 @@ def best_mean_length(model: GaussMarkov, white: float, longest: float) -> float:
     return float(math.exp(found.x))
 
 
-def analyse_bias(samples: Array, rate: float, white: float) -> BiasTracking:
-    """Gauss-Markov parameters of a log's bias, and the errors of two ways to track it.
+def analyse_bias(
+    samples: Array, rate: float, white: float, model: GaussMarkov | None = None
+) -> BiasTracking:
+    """A log's bias as a Gauss-Markov process, and the errors of two ways to track it.
 
-    ``samples`` (n,) at ``rate`` Hz, ``white`` Allan's N.
+    ``samples`` (n,) at ``rate`` Hz, ``white`` Allan's N, ``model`` the process if it is known;
+    else it is taken from the autocorrelation (``correlation_model``).
 
     Raises
     ------
@@ -196,7 +199,8 @@ def analyse_bias(samples: Array, rate: float, white: float) -> BiasTracking:
     """
     duration = len(samples) / rate
     bias = smooth(samples, rate, min(SMOOTHING, duration / 100.0))
-    model = correlation_model(bias, white)
+    if model is None:
+        model = correlation_model(bias, white)
     noise = white * math.sqrt(rate)
     centred = samples - samples.mean()
     length = best_mean_length(model, white, min(duration / 2.0, 100.0 * model.correlation_time))

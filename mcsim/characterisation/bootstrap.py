@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.characterisation.allan import Stretches, allan_terms
-from mcsim.characterisation.coefficients import Coefficient
+from mcsim.characterisation.coefficients import Coefficient, coefficients_of
 from mcsim.characterisation.nonnegative import nonnegative_squares
 from mcsim.characterisation.problem import TERMS, Problem, R, Solution
 from mcsim.kernels.allan import NOISES
@@ -59,13 +59,14 @@ def bootstrap_coefficients(
     curves = resampled_variances(stretches, drawn_blocks(count, stretches.counts.shape[1]))
     squares = _solve_all(problem, solution, terms, _spread(curves, problem, solution))
     low, high = np.quantile(squares, [tail, 1.0 - tail], axis=0)
-    found = {}
+    found = coefficients_of(problem, solution, terms, confidence)
     for index, name in enumerate(TERMS):
-        if index in terms:
-            value = solution.squares[index]
-            # A bias of the refits may put the estimate outside of its own quantiles.
-            ends = min(low[index], value), max(high[index], value)
-            found[name] = Coefficient(*np.sqrt([value, *ends]).tolist())
+        if name in found:
+            value, gaussian = found[name].value, found[name]
+            ends = np.sqrt(np.maximum([low[index], high[index]], 0.0)).tolist()
+            found[name] = Coefficient(
+                value, min(ends[0], gaussian.low), max(ends[1], gaussian.high)
+            )
     return found
 
 
@@ -112,16 +113,16 @@ def _solve_all(
     problem: Problem, solution: Solution, terms: tuple[int, ...], curves: Array
 ) -> Array:
     """Squared coefficients (r, 5) of each curve: as ``solve`` finds them, all at once."""
-    design = allan_terms(problem.tau)
+    design, signs = problem.design, problem.signs
     products = np.einsum("abkk->abk", problem.scatter.products)
     ramps = np.einsum("akk->ak", problem.scatter.ramps)
     weights = np.broadcast_to(solution.weights, curves.shape)
     squares = np.zeros((len(curves), len(TERMS)))
     for _ in range(_ROUNDS):
         squares[:, terms] = nonnegative_squares(design[:, terms], curves, weights)
-        noises = squares[:, :NOISES]
+        noises = (squares * signs)[:, :NOISES]
         variance = np.einsum("ra,rb,abk->rk", noises, noises, products, optimize=True)
         variance += squares[:, [R]] * (noises @ ramps)
         variance += (problem.model_error * (squares @ design.T)) ** 2
         weights = 1.0 / np.sqrt(variance)
-    return squares
+    return squares * signs

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.characterisation.allan import allan_terms
-from mcsim.characterisation.problem import TERMS, Problem, R, Solution
+from mcsim.characterisation.problem import TERMS, Problem, Q, R, Solution
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def coefficients_of(
     estimators = np.linalg.pinv(weighted / size) / size[:, None] * solution.weights
     found = {}
     for index, name in enumerate(TERMS):
-        if index not in terms:
+        if index not in terms or (index == Q and problem.filtered):
             continue
         row = estimators[terms.index(index)]
         low, high = _interval(problem, solution.squares, index, row, confidence)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.characterisation.health import CHECKS, Finding, Record
+from mcsim.characterisation.health.noise_level import check_noise_level
+from mcsim.characterisation.health.oscillation import find_oscillations, oscillation_finding
+from mcsim.characterisation.health.record import SHORTEST
+from mcsim.characterisation.health.warm_up import WarmUp, check_warm_up
 from mcsim.characterisation.spectrum import (
     Line,
     Spectrum,
@@ -15,11 +20,11 @@ from mcsim.characterisation.spectrum import (
     without_lines,
 )
 from mcsim.errors import InputError
-from mcsim.logs.model import ACCELEROMETER, Channel, Log
+from mcsim.logs.model import ACCELEROMETER, KIND, Channel, Log
 
 Array = NDArray[np.float64]
 
-_SHORTEST, _FEWEST_SAMPLES = 60.0, 1000
+_FEWEST_SAMPLES = 1000
 #: Samples that stand out by more robust standard deviations are outliers; no Gaussian
 #: log of any length reaches this.
 _OUTLIER = 7.0
@@ -38,25 +43,18 @@ _LOUDER, _JUMP = 4.0, 12.0
 _MOST_DISTURBED = 0.02
 _RANGE_AT_REST = {ACCELEROMETER: 0.5, "gyroscope": np.deg2rad(3.0)}
 _TURNING = np.deg2rad(20.0)
+#: A slow change that rounding gives wrong by more than this part is not to be trusted.
+_DISTORTED = 0.05
 #: Steps smaller than this part of the noise do not show.
 _FINEST_STEP = 0.02
 
 
 @dataclass(frozen=True)
-class Finding:
-    """Something found in a channel (or the whole log, channel ``""``), as a sentence."""
-
-    kind: str
-    channel: str
-    text: str
-
-
-@dataclass(frozen=True)
 class Inspection:
-    """A channel after the look at it: ``samples`` (n,) are free of spikes and lines.
+    """A channel after the look at it: ``samples`` (n,) are free of spikes, lines and warm-up.
 
-    ``spectrum`` and ``lines`` are of the log without its spikes; ``resolution`` is the
-    quantisation step in SI units, None where none shows.
+    ``spectrum`` and ``lines`` are of the log without its spikes and warm-up; ``resolution`` is
+    the quantisation step in SI units, None where none shows; ``warm_up`` what was taken out.
     """
 
     channel: Channel
@@ -65,6 +63,7 @@ class Inspection:
     lines: tuple[Line, ...]
     resolution: float | None
     findings: tuple[Finding, ...]
+    warm_up: WarmUp | None = None
 
 
 def check_length(log: Log) -> None:
@@ -76,11 +75,11 @@ def check_length(log: Log) -> None:
         Shorter than a minute or than 1000 samples.
     """
     n = len(log.channels[0].samples)
-    if log.duration < _SHORTEST or n < _FEWEST_SAMPLES:
+    if log.duration < SHORTEST or n < _FEWEST_SAMPLES:
         doubt = f" ({log.timing.doubt})" if log.timing.doubt else ""
         raise InputError(
             f"{log.path}: {n} sample{'s' * (n != 1)}, {log.duration:.4g} s: too short; at least "
-            f"{_SHORTEST:.0f} s and {_FEWEST_SAMPLES} samples are needed, hours for bias "
+            f"{SHORTEST:.0f} s and {_FEWEST_SAMPLES} samples are needed, hours for bias "
             f"instability and random walk{doubt}"
         )
 
@@ -96,21 +95,33 @@ def inspect(channel: Channel, rate: float, where: str) -> Inspection:
     name, samples = channel.name, channel.samples
     if np.ptp(samples) == 0.0:
         raise InputError(f"{where}: {name} is constant ({samples[0]:.6g}); is the sensor alive?")
-    findings: list[Finding] = []
+    resolution = _resolution(samples)
+    unit = {"acceleration": "m/s²", "angular rate": "°/s"}[KIND[channel.element]]
+    record = Record(name, samples, rate, resolution, KIND[channel.element], unit, where)
+    findings = [finding for check in CHECKS for finding in check(record)]
     clean, spikes, told = _without_spikes(samples, rate)
     if told:
         findings.append(Finding("spikes" if spikes else "outliers", name, told))
     findings += _check_rest(channel, clean, rate, where)
-    resolution = _resolution(samples)
     if resolution is not None:
         findings.append(_quantisation(name, resolution, clean))
+    findings += check_noise_level(replace(record, samples=clean))
+    warm_up, told_of_it = check_warm_up(replace(record, samples=clean))
+    findings += told_of_it
+    if warm_up is not None:
+        clean = clean - warm_up.output(len(clean), rate)
+    oscillations, slow = find_oscillations(clean, rate)
+    if oscillations:
+        clean = without_lines(clean, rate, slow, oscillations)
+        findings += [oscillation_finding(record, line) for line in oscillations]
     spectrum = spectrum_of(clean, rate)
     lines = find_lines(spectrum)
     strong = [line for line in lines if line.raises > 1.0 + _RAISES]
     if strong:
         clean = without_lines(clean, rate, spectrum, strong)
     findings += [_line_finding(name, line, lines, strong) for line in strong]
-    return Inspection(channel, clean, spectrum, tuple(lines), resolution, tuple(findings))
+    every = (*oscillations, *lines)
+    return Inspection(channel, clean, spectrum, every, resolution, tuple(findings), warm_up)
 
 
 def _line_finding(name: str, line: Line, lines: list[Line], strong: list[Line]) -> Finding:
@@ -211,7 +222,7 @@ def _moving(name: str, moved: NDArray[np.bool_], seconds: float, where: str) -> 
     told = f"{where}: {name} moves or is handled: first {np.argmax(moved) * seconds:.4g} s in"
     if len(quiet):
         begin, end = quiet[np.argmax(quiet[:, 1] - quiet[:, 0])] * seconds
-        if end - begin >= _SHORTEST:
+        if end - begin >= SHORTEST:
             return f"{told}; at rest from --start {begin:.6g} to --end {end:.6g} (s)"
     return f"{told}, {moved.mean():.0%} of the log; a static log is needed"
 
@@ -235,13 +246,26 @@ def _resolution(samples: Array) -> float | None:
 
 
 def _quantisation(name: str, step: float, samples: Array) -> Finding:
+    """What rounding does to Gaussian noise of the deviation that is left of it.
+
+    Rounding adds Δ²/12, which N holds; besides, the mean of the output depends on where between
+    two steps the input lies, by up to Δ/π exp(-2 π² σ²/Δ²) (Widrow's theorem): a share of any
+    slow change that is lost or doubled.
+    """
     noise = float(np.std(samples))
-    coarse = step > 2.0 * noise
+    own = float(np.sqrt(max(noise**2 - step**2 / 12.0, (0.1 * step) ** 2)))
+    added = 1.0 - own / noise
+    # The largest slope of the mean output against the input, less one.
+    distortion = 2.0 * float(np.exp(-2.0 * (np.pi * own / step) ** 2))
+    coarse = distortion > _DISTORTED
     effect = (
-        "coarser than the noise: what is between the steps is lost, N and B are not to be trusted"
+        f"slow changes come out wrong by up to {distortion:.2g} of their size: B, K and a ramp "
+        "are not to be trusted, and the noise depends on where between two steps the output lies"
         if coarse
-        else "fine enough: the noise carries the signal over the steps"
+        else f"the noise carries slow changes over them to within {max(distortion, 1e-3):.1g}"
     )
+    if added > 0.005:
+        effect += f"; rounding itself makes {added:.1%} of the noise"
     return Finding(
-        "coarse" if coarse else "quantisation", name, f"steps of {step / noise:.2g} σ, {effect}"
+        "coarse" if coarse else "quantisation", name, f"steps of {step / noise:.2g} σ: {effect}"
     )

@@ -32,6 +32,12 @@ from mcsim.characterisation.problem import (
     solve,
 )
 from mcsim.characterisation.process import GaussMarkovFit
+from mcsim.characterisation.short_clusters import (
+    FEWEST_TIMES,
+    first_that_follows,
+    memory,
+    shows_a_filter,
+)
 
 Array = NDArray[np.float64]
 Intervals = Literal["bootstrap", "covariance"]
@@ -42,12 +48,8 @@ _KEPT = (N, B, K)
 _MOST_MODEL_ERROR, _MODEL_ERROR_STEP = 0.5, 1.25
 #: Reduction of χ² that a further term must bring (4 σ for one term).
 _NEEDED = 16.0
-#: The shortest cluster is left out when it lies off by so many standard errors, and by
-#: this part, from what the next ones say.
-_MISFIT, _VISIBLE, _NEIGHBOURS = 5.0, 0.04, 4
 #: Probability of a χ² at which the model no longer explains the curve by scatter alone.
 _UNLIKELY = 0.01
-_FEWEST_TIMES = 6
 _LEAST_VARIANCE = 1e-60
 
 
@@ -56,8 +58,9 @@ class NoiseFit:
     """Coefficients of the model over ``tau_from`` to ``tau_to`` (s).
 
     ``squares`` float64 (5,) are Q², N², B², K², R² in SI units.  ``model_error`` is the
-    relative error of the variance at each cluster time that the model is allowed.  Where there
-    is a Gauss-Markov bias, the coefficient N is that of the clusters with more white noise.
+    relative error of the variance at each cluster time that the model is allowed.  ``memory``
+    (s) is that of a filter in the output, 0 without one; Q² is negative then.  Where there is a
+    Gauss-Markov bias, the coefficient N is that beside it.
     """
 
     coefficients: dict[str, Coefficient]
@@ -70,6 +73,7 @@ class NoiseFit:
     stated_range: bool
     model_error: float
     comparison: Comparison
+    memory: float = 0.0
 
     @property
     def gauss_markov(self) -> GaussMarkovFit | None:
@@ -112,17 +116,18 @@ def fit_noise(
     """
     curve, problem = _problem(curve, tau_range)
     free = tau_range is None
-    while free and len(problem.tau) > _FEWEST_TIMES + _NEIGHBOURS and _first_misfits(problem):
-        problem = problem.part(slice(1, None))
-        curve = curve.part(np.arange(1, len(curve.factors)))
-    terms, solution = _choose_terms(problem)
-    comparison = compare(problem, terms, solution.squares)
+    first = first_that_follows(problem) if free else 0
+    problem = problem.part(slice(first, None))
+    curve = curve.part(np.arange(first, len(curve.factors)))
+    problem, terms, solution = _choose_terms(problem, first > 0)
+    comparison = compare(problem, terms, solution.squares, confidence)
     found = {}
     if comparison.is_gauss_markov and comparison.process is not None:
         white = _white_part(problem, comparison.process)
         beside = _allow_for_the_model(white, terms, solve(white, terms))
         whole = curve.part(np.arange(len(white.tau)))
-        found["N"] = _coefficients(whole, *beside, terms, confidence, intervals)["N"]
+        short = _coefficients(whole, *beside, terms, confidence, intervals)["N"]
+        found["N"] = _white_beside(comparison.process, short)
     problem, solution = _allow_for_the_model(problem, terms, solution)
     found = _coefficients(curve, problem, solution, terms, confidence, intervals) | found
     return NoiseFit(
@@ -136,7 +141,17 @@ def fit_noise(
         stated_range=not free,
         model_error=problem.model_error,
         comparison=comparison,
+        memory=memory(solution),
     )
+
+
+def _white_beside(process: GaussMarkovFit, short: Coefficient) -> Coefficient:
+    """N of the fit with a process, and an interval no narrower than that of short clusters."""
+    value, factor = process.coefficient(N), process.white_factor
+    if not (value and short.value):
+        return short
+    low = min(1.0 / factor, short.low / short.value)
+    return Coefficient(value, low * value, max(factor, short.high / short.value) * value)
 
 
 def _white_part(problem: Problem, process: GaussMarkovFit) -> Problem:
@@ -144,7 +159,7 @@ def _white_part(problem: Problem, process: GaussMarkovFit) -> Problem:
     white = process.squares[N] / problem.tau
     less = white < process.model.allan_variance(problem.tau)
     count = int(np.argmax(less)) if np.any(less) else len(less)
-    return problem.part(slice(0, max(count, _FEWEST_TIMES)))
+    return problem.part(slice(0, max(count, FEWEST_TIMES)))
 
 
 def _coefficients(
@@ -169,10 +184,10 @@ def _problem(
     low, high = tau_range or (0.0, np.inf)
     # Five cluster times to a decade hold all that ten do.
     keep = np.flatnonzero((curve.tau >= low) & (curve.tau <= high))[::2]
-    if len(keep) < _FEWEST_TIMES:
+    if len(keep) < FEWEST_TIMES:
         raise ValueError(
             f"{len(keep)} cluster times between {low:.4g} s and {high:.4g} s; "
-            f"a fit needs at least {_FEWEST_TIMES}"
+            f"a fit needs at least {FEWEST_TIMES}"
         )
     part = curve.part(keep)
     # A log without noise has variances of zero, which no logarithm and no weight takes.
@@ -180,18 +195,23 @@ def _problem(
     return part, Problem(part.tau, variance, covariances(part))
 
 
-def _choose_terms(problem: Problem) -> tuple[tuple[int, ...], Solution]:
-    """The kept terms, and those others that lower χ² by enough."""
+def _choose_terms(problem: Problem, shaped: bool) -> tuple[Problem, tuple[int, ...], Solution]:
+    """The kept terms, and those others that lower χ² by enough.
+
+    A filter's term is in where short clusters were ``shaped`` by one, or where it shows.
+    """
     terms: tuple[int, ...] = _KEPT
+    if shaped or shows_a_filter(problem, terms):
+        problem, terms = replace(problem, filtered=True), tuple(sorted((Q, *terms)))
     solution = solve(problem, terms)
-    for extra in (Q, R):
+    for extra in (R,) if Q in terms else (Q, R):
         longer = tuple(sorted((*terms, extra)))
         trial = solve(problem, longer)
         # Compared under the same weights: a richer model must not win by wider errors.
         before = misfit(problem, solution.squares, trial.weights)
         if before - trial.chi_square > _NEEDED and trial.squares[extra] > 0.0:
             terms, solution = longer, trial
-    return terms, solution
+    return problem, terms, solution
 
 
 def _allow_for_the_model(
@@ -208,11 +228,3 @@ def _allow_for_the_model(
         problem = replace(problem, model_error=problem.model_error * _MODEL_ERROR_STEP)
         solution = solve(problem, terms)
     return problem, solution
-
-
-def _first_misfits(problem: Problem) -> bool:
-    """Whether the shortest cluster contradicts what the next ones say about it."""
-    squares = solve(problem.part(slice(1, 1 + _NEIGHBOURS)), (Q, *_KEPT)).squares
-    expected = float((allan_terms(problem.tau[:1]) @ squares)[0])
-    scatter = float(np.sqrt(problem.covariance(squares)[0, 0]))
-    return abs(problem.variance[0] - expected) > max(_MISFIT * scatter, _VISIBLE * expected)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,28 @@ _ITERATIONS = 30
 
 @dataclass(frozen=True)
 class Problem:
-    """The part of a curve that is fitted: ``tau``, ``variance`` (k,), and how they scatter."""
+    """The part of a curve that is fitted: ``tau``, ``variance`` (k,), and how they scatter.
+
+    ``filtered``: the output is low-passed, held or averaged.  A filter whose memory is c takes
+    1.5 c N² / τ² off the Allan variance of clusters that outlast it (the integral of its output
+    lags behind that of white noise by a bounded error): a negative Q².
+    """
 
     tau: Array
     variance: Array
     scatter: Covariances
     model_error: float = LEAST_MODEL_ERROR
+    filtered: bool = False
+
+    @property
+    def signs(self) -> Array:
+        """Sign (5,) of each squared coefficient."""
+        return np.array([-1.0 if self.filtered else 1.0, 1.0, 1.0, 1.0, 1.0])
+
+    @property
+    def design(self) -> Array:
+        """Allan variance (k, 5) of each term, signed: what non-negative amounts are sought of."""
+        return allan_terms(self.tau) * self.signs
 
     def covariance(self, squares: Array) -> Array:
         """Covariance (k, k) of the variances, and the model's own error, under a model."""
@@ -37,14 +53,19 @@ class Problem:
 
     def part(self, which: slice) -> Problem:
         """The problem of some of the cluster times."""
-        return Problem(
-            self.tau[which], self.variance[which], self.scatter.part(which), self.model_error
+        return replace(
+            self,
+            tau=self.tau[which],
+            variance=self.variance[which],
+            scatter=self.scatter.part(which),
         )
 
 
 @dataclass(frozen=True)
 class Solution:
     """``squares`` (5,) of the coefficients, ``weights`` (k,) the inverse deviations.
+
+    Q² is negative where the problem is ``filtered``.
 
     ``chi_square`` is the weighted misfit squared.
     """
@@ -76,7 +97,7 @@ def solve(problem: Problem, terms: tuple[int, ...]) -> Solution:
     """Non-negative least squares with relative weights, iterated until they fit the model."""
     from scipy.optimize import nnls
 
-    design = allan_terms(problem.tau)[:, terms]
+    design = problem.design[:, terms]
     squares = np.zeros(len(TERMS))
     # To begin with, every point has the scatter of white noise alone.
     weights = 1.0 / (np.sqrt(problem.tau) * problem.variance)
@@ -86,7 +107,7 @@ def solve(problem: Problem, terms: tuple[int, ...]) -> Solution:
         solved, _ = nnls(weighted / size, weights * problem.variance)
         last = squares
         squares = np.zeros(len(TERMS))
-        squares[list(terms)] = solved / size
+        squares[list(terms)] = solved / size * problem.signs[list(terms)]
         weights = 1.0 / np.sqrt(np.diagonal(problem.covariance(squares)))
         if iteration and np.allclose(squares, last, rtol=1e-6, atol=0.0):
             break

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,15 +36,20 @@ class GaussMarkov:
 class GaussMarkovFit:
     """Noises and a Gauss-Markov bias together.
 
-    ``squares`` (5,) are Q², N², B², K², R² beside the process; ``time_low`` and ``time_high``
-    bound the correlation times (s) that fit nearly as well; ``chi_square`` is the misfit.
+    ``squares`` (5,) are Q², N², B², K², R² beside the process; ``chi_square`` is the misfit.
+    ``time_low``, ``time_high`` (s) and ``deviation_low``, ``deviation_high`` are intervals; from
+    zero to infinity where the curve was not asked for them, or gives no end.  N's interval is
+    N over and times ``white_factor``.
     """
 
     model: GaussMarkov
-    time_low: float
-    time_high: float
     squares: Array
     chi_square: float
+    time_low: float = 0.0
+    time_high: float = math.inf
+    deviation_low: float = 0.0
+    deviation_high: float = math.inf
+    white_factor: float = 1.0
 
     def coefficient(self, term: int) -> float:
         """Coefficient of a noise beside the process; ``term`` as in ``problem.TERMS``."""

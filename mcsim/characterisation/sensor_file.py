@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from io import StringIO
 from typing import Any
@@ -14,6 +15,7 @@ from mcsim.characterisation.coefficients import Coefficient
 from mcsim.characterisation.comparison import DECIDES
 from mcsim.characterisation.fit import NoiseFit
 from mcsim.characterisation.problem import TERMS
+from mcsim.characterisation.process import GaussMarkovFit
 from mcsim.logs.model import ACCELEROMETER, GYROSCOPE
 from mcsim.units import KINDS, density_from_random_walk, in_unit
 from mcsim.version import __version__
@@ -157,7 +159,7 @@ def _fit_details(result: ChannelResult) -> dict[str, Any]:
     details |= _other_terms(element, fit)
     details |= _comparison_details(element, fit)
     if result.bias is not None:
-        details["bias_tracking"] = _bias_details(element, result.bias)
+        details["bias_tracking"] = _bias_details(element, result.bias, fit)
     return details
 
 
@@ -169,14 +171,31 @@ def _comparison_details(element: str, fit: NoiseFit) -> dict[str, Any]:
         kind, unit = SAMPLE[element]
         found["with_gauss_markov_bias"] = {
             "correlation_time": f"{model.model.correlation_time:.4g} s",
-            "correlation_time_interval": f"{model.time_low:.4g} s to {model.time_high:.4g} s",
+            **_process_interval(model, "correlation_time_interval"),
             "deviation": written(model.model.deviation, unit, kind),
+            **_deviation_interval(model, unit, kind),
             "chi_square": f"{model.chi_square:.3g} of {fit.times} cluster times",
             "akaike_gain": f"{fit.comparison.gain:.3g} (decides above {DECIDES:g})",
         }
     if alike is not None and fit.gauss_markov is None and fit["K"].seen:
         found["random_walk_or"] = f"Gauss-Markov bias with a correlation time above {alike:.3g} s"
     return found
+
+
+def _process_interval(model: GaussMarkovFit, key: str) -> dict[str, str]:
+    """Of the correlation time; nothing where the process is not worth one."""
+    if math.isinf(model.deviation_high):
+        return {}
+    if math.isinf(model.time_high):
+        return {key: f"above {model.time_low:.4g} s"}
+    return {key: f"{model.time_low:.4g} s to {model.time_high:.4g} s"}
+
+
+def _deviation_interval(model: GaussMarkovFit, unit: str, kind: str) -> dict[str, str]:
+    if math.isinf(model.deviation_high):
+        return {}
+    ends = (written(x, unit, kind) for x in (model.deviation_low, model.deviation_high))
+    return {"deviation_interval": " to ".join(ends)}
 
 
 def _interval(coefficient: Coefficient, unit: str, kind: str) -> str:
@@ -192,19 +211,34 @@ def _other_terms(element: str, fit: NoiseFit) -> dict[str, str]:
     """Quantisation and ramp, where the data demand them; in SI units (Q with a further s)."""
     base = "m/s" if element == ACCELEROMETER else "rad"
     found = {}
-    for term, name, unit in (
-        ("Q", "quantisation_noise", base),
-        ("R", "rate_ramp", f"{base}/s²" if element == GYROSCOPE else "m/s³"),
-    ):
-        if term in fit.coefficients:
-            c = fit[term]
-            found[name] = f"{c.value:.4g} {unit}, between {c.low:.4g} and {c.high:.4g} {unit}"
+    if "Q" in fit.coefficients:
+        c = fit["Q"]
+        found["quantisation_noise"] = (
+            f"{c.value:.4g} {base}, between {c.low:.4g} and {c.high:.4g} {base}"
+        )
+    if "R" in fit.coefficients:
+        found["rate_ramp"] = f"{ramp(element, fit['R'])}; a sensor block has no ramp"
+    if fit.memory:
+        found["filter_memory"] = f"{fit.memory:.3g} s (the output is low-passed, held or averaged)"
     return found
 
 
-def _bias_details(element: str, bias: BiasTracking) -> dict[str, str]:
+def ramp(element: str, c: Coefficient) -> str:
+    """A ramp with its interval, per second and per hour."""
     kind, unit = SAMPLE[element]
+    si = "rad/s²" if element == GYROSCOPE else "m/s³"
+    hourly = f"{in_unit(3600.0 * c.value, unit, KINDS[kind]):.3g} {unit} per hour"
+    return f"{c.value:.4g} {si}, between {c.low:.4g} and {c.high:.4g} {si} ({hourly})"
+
+
+def _bias_details(element: str, bias: BiasTracking, fit: NoiseFit) -> dict[str, str]:
+    """What tracking leaves of the bias; by the fitted process, or by a stand-in without one."""
+    kind, unit = SAMPLE[element]
+    fitted = fit.gauss_markov is not None
     return {
+        "model": "the fit's Gauss-Markov bias"
+        if fitted
+        else "a stand-in from the autocorrelation: the fit has no Gauss-Markov bias",
         "correlation_time": f"{bias.model.correlation_time:.4g} s",
         "deviation": written(bias.model.deviation, unit, kind),
         "moving_average": f"{bias.smoothing:.4g} s",

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 _FEWEST_SEGMENTS, _LONGEST_SEGMENT = 8, 1 << 17
 #: A floor is the median over frequencies within this factor; lines are looked for from the
 #: bin on that has enough neighbours.
-_NEIGHBOURHOOD, _FIRST_BIN = 1.6, 8
+_NEIGHBOURHOOD, FIRST_BIN = 1.6, 8
 #: False alarms of lines, per log.
 _FALSE_ALARMS = 1e-4
 #: A line must have at least this multiple of the floor's density at its peak.
@@ -55,12 +55,15 @@ class Line:
     tau: float
 
 
-def spectrum_of(samples: Array, rate: float) -> Spectrum:
-    """Welch's density of ``samples`` (n,) with Hann windows that overlap by half."""
+def spectrum_of(samples: Array, rate: float, segments: int = _FEWEST_SEGMENTS) -> Spectrum:
+    """Welch's density of ``samples`` (n,) with Hann windows that overlap by half.
+
+    They are as long as ``segments`` of them fit into the log.
+    """
     from scipy.signal import welch
 
     n = len(samples)
-    length = 1 << int(np.log2(max(n // _FEWEST_SEGMENTS, 16)))
+    length = 1 << int(np.log2(max(n // segments, 16)))
     length = min(length, _LONGEST_SEGMENT, n)
     frequency, density = welch(samples, rate, nperseg=length)
     frequency, density = frequency[1:], density[1:]
@@ -102,16 +105,19 @@ def density_from_deviation(deviation: float, bandwidth: float) -> float:
     return deviation / float(np.sqrt(bandwidth))
 
 
-def find_lines(spectrum: Spectrum) -> list[Line]:
-    """Bands whose density stands out of the floor by more than chance, strongest first."""
+def find_lines(spectrum: Spectrum, floor_known: float = 1.0) -> list[Line]:
+    """Bands whose density stands out of the floor by more than chance, strongest first.
+
+    ``floor_known`` is a factor to which the floor may be wrong.
+    """
     from scipy.stats import chi2
 
     count = len(spectrum.frequency)
     chance = chi2.isf(_FALSE_ALARMS / count, 2.0 * spectrum.averages) / (2.0 * spectrum.averages)
-    ratio = spectrum.density / spectrum.floor
+    ratio = spectrum.density / (floor_known * spectrum.floor)
     edge = 1.0 + 3.0 / np.sqrt(spectrum.averages)
     lines = []
-    first = _FIRST_BIN
+    first = FIRST_BIN
     high = np.flatnonzero(ratio[first:] > max(chance, _LEAST_RATIO)) + first
     while len(high):
         run = high[: int(np.argmax(np.append(np.diff(high) > _JOINED_BINS, True))) + 1]

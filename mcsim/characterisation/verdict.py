@@ -30,7 +30,16 @@ _WORDS = {
     "spikes": "Isolated spikes in {}: fitted without them.",
     "outliers": "Outliers in {} that are too many to be spikes: the noise is not Gaussian.",
     "handling": "Disturbances in {}: log again, or cut them off with --start and --end.",
-    "coarse": "Quantisation of {} is coarser than the noise: N and B are not to be trusted.",
+    "stuck": "The output of {} is stuck for a while.",
+    "held": "Values of {} are held or repeated: the sensor is slower than the log.",
+    "saturates": "{} saturates: N may be too small.",
+    "level": "The noise of {} does not keep its level: one N is not the sensor's.",
+    "warm-up": "A warm-up in {}: fitted without it; see the time from which it is over.",
+    "ramp": "A ramp in {}: the output drifts steadily, which no term of a sensor block is.",
+    "oscillation": "A slow oscillation in {}: not at rest, or not at a constant temperature; "
+    "fitted without it.",
+    "coarse": "Quantisation of {} is too coarse for the noise to carry slow changes over the "
+    "steps: B and K are not to be trusted.",
     "quantisation": "Quantisation steps show in {}; the noise carries the signal over them.",
     "bandwidth": "Short clusters of {} do not follow the model: left out of the fit.",
     "spectrum": "The spectrum of {} is not flat up to 2/5 of the rate: a filter, or aliasing.",

@@ -268,14 +268,14 @@ def _summary(result: Characterisation) -> str:
         n, b, k = (number(channel.fit, element, term) for term in KEYS[element])
         bias = ["–"] * 4
         if channel.bias is not None:
-            bias = [f"{channel.bias.model.correlation_time:.3g} s"] + [
+            bias[2:] = [
                 f"{float(written(x, unit, kind).split()[0]):.3g} {unit}"
-                for x in (
-                    channel.bias.model.deviation,
-                    channel.bias.kalman_expected,
-                    channel.bias.mean_expected,
-                )
+                for x in (channel.bias.kalman_expected, channel.bias.mean_expected)
             ]
+        process = channel.fit.gauss_markov
+        if process is not None:
+            sigma = float(written(process.model.deviation, unit, kind).split()[0])
+            bias[:2] = [f"{process.model.correlation_time:.3g} s", f"{sigma:.3g} {unit}"]
         rows.append([channel.channel.name, n, noise_density(channel), b, k, *bias])
     notes = [f"{f.channel}: {f.text}" if f.channel else f.text for f in result.findings]
     return "\n".join(

@@ -12,15 +12,15 @@ from matplotlib.figure import Figure
 
 from mcsim.characterisation.allan import allan_terms
 from mcsim.characterisation.analysis import ChannelResult, Characterisation
-from mcsim.characterisation.problem import TERMS, B, K, N
-from mcsim.characterisation.sensor_file import SAMPLE
+from mcsim.characterisation.problem import TERMS, B, K, N, R
+from mcsim.characterisation.sensor_file import SAMPLE, ramp
 from mcsim.characterisation.spectrum import binned
 from mcsim.characterisation.verdict import noise_density, number, verdict
 from mcsim.figures.style import curve_colour, house_style, log_scale
 from mcsim.units import KINDS, in_unit
 
 _DATA, _CLEAN, _WHITE, _FLICKER, _WALK, _OTHER = (curve_colour(i, 6) for i in range(6))
-_TERM_LOOKS = {"N": (_WHITE, ":"), "B": (_FLICKER, "--"), "K": (_FLICKER, "-.")}
+_TERM_LOOKS = {"N": (_WHITE, ":"), "B": (_FLICKER, "--"), "K": (_FLICKER, "-."), "R": (_WALK, "--")}
 _WIDTH, _HEIGHT = 4.1, 3.3
 _VERDICT_SIGNS = 14.5  # characters of the verdict per inch
 
@@ -94,7 +94,7 @@ def _draw_curve(result: ChannelResult, axes: Axes) -> None:
             result.fitted.deviation * one,
             color=_CLEAN,
             linewidth=1.0,
-            label="without spikes and lines",
+            label="without spikes, lines, warm-up",
         )
     inside = (tau >= fit.tau_from) & (tau <= fit.tau_to)
     axes.plot(
@@ -105,6 +105,7 @@ def _draw_curve(result: ChannelResult, axes: Axes) -> None:
         ("N", N, "N: slope −1/2"),
         ("B", B, "B: level 0.664 B"),
         ("K", K, "K: slope +1/2"),
+        ("R", R, "R: slope +1"),
     ):
         squares = fit.model_squares
         if squares[index] > 0.0:
@@ -137,9 +138,16 @@ def _numbers(result: ChannelResult, axes: Axes) -> None:
             f"Gauss-Markov bias: {convert(model.deviation):.3g} {unit}, "
             f"Tc {model.correlation_time:.3g} s"
         )
-    extra = [t for t in TERMS if t in fit.coefficients and t not in "NBK"]
-    if extra:
-        lines.append(f"with {' and '.join(extra)} in the model")
+    if "Q" in fit.coefficients:
+        lines.append("with Q in the model")
+    if "R" in fit.coefficients:
+        lines.append(f"R {ramp(element, fit['R']).split(' (')[0]}")
+    if result.inspection.warm_up is not None:
+        convert, unit = _scale(result)
+        warm_up = result.inspection.warm_up
+        lines.append(
+            f"warm-up of {convert(-warm_up.size):.3g} {unit} in {warm_up.time:.3g} s left out"
+        )
     axes.set_title("\n".join(lines), fontsize=7.8, loc="left", linespacing=1.25)
 
 

@@ -89,9 +89,16 @@ def _squares(first, middle, last):
 
 
 @scalar
-def _structure(noise, t, interval, step):
-    """Generalised autocovariance of the integrated noise with coefficient 1 at lag t."""
+def _structure(noise, t, interval, step, time):
+    """Generalised autocovariance of the integrated noise with coefficient 1 at lag t.
+
+    ``time`` is the correlation time of a Gauss-Markov process of unit qc, noise 4.
+    """
     t = abs(t)
+    if noise == NOISES:
+        x = t / time
+        bounded = x - 1.0 + math.exp(-x) if x > 1e-4 else 0.5 * x * x
+        return -0.5 * time * time * time * bounded
     if noise == 0:
         # Quantisation: white phase, one sample wide; its square keeps its integral.
         return math.sqrt(interval / step) if t < 0.5 * step else 0.0
@@ -103,13 +110,13 @@ def _structure(noise, t, interval, step):
 
 
 @scalar
-def _difference(noise, lag, a, b, interval, step):
+def _difference(noise, lag, a, b, interval, step, time):
     """Covariance of second differences over a and b whose centres are ``lag`` apart."""
     total = 0.0
     for p in range(-1, 2):
         for q in range(-1, 2):
             weight = (-2.0 if p == 0 else 1.0) * (-2.0 if q == 0 else 1.0)
-            total += weight * _structure(noise, lag + q * b - p * a, interval, step)
+            total += weight * _structure(noise, lag + q * b - p * a, interval, step, time)
     return total
 
 
@@ -151,7 +158,7 @@ def allan_covariances(
                 overlap = min(length - b - lag - a, length - 2.0 * b) + interval
                 weight = (1.0 if s == 0 else 2.0) * scale * overlap
                 for u in range(NOISES):
-                    c[u] = _difference(u, lag, a, b, interval, step)
+                    c[u] = _difference(u, lag, a, b, interval, step, 1.0)
                 for u in range(NOISES):
                     ramps[u, i, j] += weight * 2.0 * a * a * b * b * c[u]
                     for v in range(NOISES):
@@ -160,3 +167,49 @@ def allan_covariances(
                 ramps[u, j, i] = ramps[u, i, j]
                 for v in range(NOISES):
                     products[u, v, j, i] = products[u, v, i, j]
+
+
+@kernel
+def process_covariance(
+    taus: Array,
+    interval: float,
+    length: float,
+    squares: Array,
+    drive: float,
+    time: float,
+    covariance: Array,
+) -> None:
+    """As ``allan_covariances``, of one mix of noises and a Gauss-Markov process.
+
+    Parameters
+    ----------
+    taus, interval, length
+        As above.
+    squares : float64 (NOISES,)
+        Q², N², B², K²; a negative Q² is a filter's.
+    drive, time : float
+        qc² and correlation time (s) of the process.
+    covariance : float64 (k, k), written
+    """
+    covariance[:] = 0.0
+    for i in range(taus.shape[0]):
+        a = taus[i]
+        step = interval * max(1.0, math.floor(a / interval / _STEPS))
+        for j in range(i, taus.shape[0]):
+            b = taus[j]
+            if b > _FARTHEST * a:
+                break
+            places = (length - 2.0 * a + interval) * (length - 2.0 * b + interval)
+            scale = step / (2.0 * a * a * b * b * places)
+            total = 0.0
+            for s in range(int(min(length - a - b, _REACH * (a + b)) / step) + 1):
+                lag = s * step
+                overlap = min(length - b - lag - a, length - 2.0 * b) + interval
+                weight = (1.0 if s == 0 else 2.0) * scale * overlap
+                c = drive * _difference(NOISES, lag, a, b, interval, step, time)
+                for u in range(NOISES):
+                    if squares[u] != 0.0:
+                        c += squares[u] * _difference(u, lag, a, b, interval, step, 1.0)
+                total += weight * c * c
+            covariance[i, j] = total
+            covariance[j, i] = total
