@@ -7,7 +7,7 @@ reconstruct the same drive from the same random numbers.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -25,16 +25,18 @@ from mcsim.cases.planar_linear import beyond_controls
 from mcsim.cases.problem import Array, History, LinearModel, Sample
 from mcsim.cases.strapdown import CHANNELS as ALL_CHANNELS
 from mcsim.cases.strapdown import RATES as ALL_RATES
-from mcsim.cases.strapdown import sampled
+from mcsim.cases.strapdown import sampled, signals_at_rest, tilt_deviations
 from mcsim.cases.strapdown_linear import position_moments
 from mcsim.scenario import StrapdownScenario
-from mcsim.sensors.error_model import channel_errors, per_interval
+from mcsim.sensors.error_model import Mixing, channel_errors, per_interval
 from mcsim.trajectory import Motion
 from mcsim.trajectory.spatial import SpatialMotion, spatial_drive
 
 #: Places of the planar errors (along, across, position, heading, course) among the eight.
 _PLANAR = [0, 1, 3, 6, 7]
 _POSITION = 3
+#: The channel of the force upwards, and the name of an unknown tilt in budgets.
+_UP, TILT = 3, "initial tilt error"
 
 
 @dataclass(frozen=True)
@@ -62,8 +64,10 @@ class LevelProblem:
         drive = spatial_drive(model, folder)
         sensors = model.sensors
         duration, further = drive.drive.duration, ALL_CHANNELS[len(CHANNELS) :]
-        errors = channel_errors(sensors, CHANNELS, duration, further=further)
-        everything = channel_errors(sensors, ALL_CHANNELS, duration)
+        at_rest = signals_at_rest(drive.at_rest(-drive.drive.lead))
+        errors = channel_errors(sensors, CHANNELS, duration, at_rest, further)
+        errors = replace(errors, mixing=(*errors.mixing, *_tilts(model)))
+        everything = channel_errors(sensors, ALL_CHANNELS, duration, at_rest)
         samples = sampled(drive, sensors.rate, sensors.sampling, everything.bandwidths)
         planar = PlanarProblem(
             # The algorithm reads three channels; the others show in them by misalignment.
@@ -146,6 +150,13 @@ class LevelProblem:
         unseen = np.broadcast_to(self._unseen[:, :, None], (3, *history.errors.shape[1:]))
         errors = self._complete(history.errors, unseen)
         return History(history.time, history.tracks, history.truth, errors)
+
+
+def _tilts(model: StrapdownScenario) -> list[Mixing]:
+    """What an unknown tilt of the vehicle, which is taken for level, makes of the force upwards."""
+    roll, pitch = tilt_deviations(model)
+    tilts = [Mixing(0, _UP, pitch, TILT), Mixing(1, _UP, roll, TILT)]
+    return [tilt for tilt in tilts if tilt.deviation > 0.0]
 
 
 def _in_space(covariance: Array) -> Array:

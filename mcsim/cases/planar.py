@@ -43,6 +43,9 @@ _MOST_DENSE_SAMPLES = 20_000_000
 #: Forward and left acceleration, yaw rate.
 CHANNELS = (Channel(ACCELEROMETER, 0), Channel(ACCELEROMETER, 1), Channel(GYROSCOPE, 2))
 RATES = (False, False, True)
+#: The axis of gravity, which a level vehicle does not measure, and the true signals at rest.
+_VERTICAL = (Channel(ACCELEROMETER, 2),)
+_AT_REST = np.array([0.0, 0.0, 0.0, STANDARD_GRAVITY])
 
 
 @dataclass(frozen=True)
@@ -77,12 +80,16 @@ class PlanarProblem:
         """
         drive = drive_of(model.trajectory, folder)
         sensors = model.sensors
-        errors = channel_errors(sensors, CHANNELS, drive.duration, STANDARD_GRAVITY)
+        errors = channel_errors(sensors, CHANNELS, drive.duration, _AT_REST, further=_VERTICAL)
         samples = _sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
+        signals = samples.signals
+        if errors.mixing:
+            # Gravity is not measured, but shows by misalignment and g-sensitivity.
+            signals = np.column_stack([signals, np.full(len(signals), STANDARD_GRAVITY)])
         return cls(
-            signals=samples.signals,
+            signals=signals,
             initial_deviations=initial_deviations(model.initial),
-            sensor_errors=per_interval(errors, RATES, 1.0 / sensors.rate),
+            sensor_errors=per_interval(errors, (*RATES, False), 1.0 / sensors.rate),
             truth=samples.truth,
             interval=1.0 / sensors.rate,
             trapezoidal=model.reconstruction.integration == "trapezoidal",
@@ -213,7 +220,7 @@ class PlanarProblem:
             samples, constants = self._kernel_weights
         m = self.measurement if disturbed else Measurement.none(self.sensor_errors)
         factor = 1.0 if disturbed else 0.0
-        drawn = -(-(N_CONSTANTS + len(m.mix_to)) // 4) * 4
+        drawn = -(-(N_CONSTANTS + m.coefficients) // 4) * 4
         simulate(
             np.uint64(key),
             np.uint64(first),
