@@ -51,13 +51,13 @@ class ChannelErrors:
 
     ``elements`` names each channel's element.
     ``white`` is the deviation of one sample's white noise.  Constant offsets: ``miscalibration``
-    and ``turn_on_bias``.  ``processes`` are the in-run noise, from the first sample at rest on where
-    the attitude is levelled.  ``ranges`` (infinite for none), ``resolutions`` and
+    and ``turn_on_bias``.  ``processes`` are the in-run noise, from the first sample at rest on
+    where the attitude is levelled.  ``ranges`` (infinite for none), ``resolutions`` and
     ``spike_amplitudes`` (zero for none); ``spike_rates`` in Hz.
-    ``interval`` is that of the samples (s).  ``at_rest`` are the true signals before the run, ``levelling`` the number of samples whose
-    mean levels the attitude, zero for none.  After a bias calibration ``hidden_bias`` is the
-    deviation of what was calibrated away, which the sensor's output still holds, and
-    ``calibration_spread`` that of the samples that showed it.
+    ``interval`` is that of the samples (s).  ``at_rest`` are the true signals before the run,
+    ``levelling`` the number of samples whose mean levels the attitude, zero for none.  After a
+    bias calibration ``hidden_bias`` is the deviation of what was calibrated away, which the
+    sensor's output still holds, and ``calibration_spread`` that of the samples that showed it.
     """
 
     elements: tuple[str, ...]
