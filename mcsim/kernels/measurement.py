@@ -37,9 +37,10 @@ class ErrorTerms(NamedTuple):
 
     mix_to, mix_from : int64 (m,); mix_calibrated : float64 (m,)
         Whose signal, less its calibrated part, shows in which channel.
-    mix_deviation : float64 (m,) or (m + c,)
-        Coefficients drawn once per realization: how much of a channel's signal shows in another,
-        then the channels' biases that are calibrated away where the output is digital.
+    mix_deviation : float64 (m,) or (m + 3 c,)
+        Coefficients drawn once per realization: how much of a channel's signal shows in another;
+        then, where a digital output is averaged at rest, the channels' biases that are calibrated
+        away, and normals for what rounding makes of the means that calibrate and that level.
     innovation : float64 (n + 1, c) or (0, c)
         Standard deviation of each sample's innovation; empty where white noise and offsets are
         all there is, and then everything else is empty as well.
@@ -54,11 +55,11 @@ class ErrorTerms(NamedTuple):
         Half of 2^32 times the probability of a spike per sample, and its height.
     ranges, resolutions : float64 (c,) or (0,)
         Where each channel saturates, and its quantisation step (zero for none).
-    calibrated_at, calibration_spread : float64 (c,) or (0,)
-        True signals while biases were calibrated, and the deviation of the samples then; empty
-        unless the output is digital, holds the bias, and loses it afterwards.
-    levelling_spread : float64 (c,) or (0,)
-        Deviation of the samples whose mean levels the attitude.
+    calibrated_at, calibration_spread, levelling_spread : float64 (c,) or (0,)
+        Where a digital output is averaged at rest: true signals there, and the deviations of the
+        samples while biases are calibrated and while the attitude is levelled.
+    rest_samples : float64 (2,) or (0,)
+        Numbers of these samples, zero for none.
     """
 
     mix_to: NDArray[np.int64]
@@ -77,6 +78,7 @@ class ErrorTerms(NamedTuple):
     calibrated_at: Array
     calibration_spread: Array
     levelling_spread: Array
+    rest_samples: Array
 
 
 @scalar
@@ -122,30 +124,54 @@ def _mean_cut(value, spread, largest):
 
 @scalar
 def mean_output(value, spread, largest, resolution):
-    """Mean of the digitised output of a normal value: what averaging at rest finds."""
+    """Mean of the digitised output of a normal value, and the variance that rounding adds.
+
+    The mean is what averaging at rest finds; it moves with the mean of the noise.  What
+    the samples scatter beyond that is rounding's own.
+    """
     if spread <= 0.0:
         cut = min(max(value, -largest), largest)
-        return resolution * math.floor(cut / resolution + 0.5) if resolution > 0.0 else cut
-    if resolution <= 0.0 or spread > 1.5 * resolution:
+        only = resolution * math.floor(cut / resolution + 0.5) if resolution > 0.0 else cut
+        return only, 0.0
+    if resolution <= 0.0:
+        return _mean_cut(value, spread, largest), 0.0
+    if spread > 1.5 * resolution:
         # Noise of more than a step leaves no trace of the steps in a mean.
-        return _mean_cut(value, spread, largest)
+        return _mean_cut(value, spread, largest), resolution * resolution / 12.0
     reach = 8.0 * spread
     cut = min(max(value - reach, -largest), largest)
     step = math.floor(cut / resolution + 0.5)
     cut = min(max(value + reach, -largest), largest)
     last = math.floor(cut / resolution + 0.5)
-    total = step
+    first, mean, square, slope, order = step, 0.0, 0.0, 0.0, 1.0
     while step < last:
         step += 1.0
-        total += _normal_below((value - (step - 0.5) * resolution) / spread)
-    return resolution * total
+        place = (value - (step - 0.5) * resolution) / spread
+        beyond = _normal_below(place)
+        mean += beyond
+        square += order * beyond
+        slope += math.exp(-0.5 * place * place)
+        order += 2.0
+    slope *= resolution / math.sqrt(2.0 * math.pi)
+    scatter = resolution * resolution * (square - mean * mean) - slope * slope
+    return resolution * (first + mean), max(0.0, scatter)
+
+
+@scalar
+def mean_at_rest(value, normal, samples, spread, largest, resolution):
+    """Mean of ``samples`` digitised outputs whose noise has brought ``value``."""
+    mean, rounding = mean_output(value, spread, largest, resolution)
+    return mean + normal * math.sqrt(rounding / samples)
 
 
 @scalar
 def _hide(terms, coefficients, hidden):
     """What the output holds beyond the calibrated value, and what calibrating at rest takes off."""
     channels = len(terms.calibrated_at)
-    mixed = len(terms.mix_to)
+    mixed, samples = len(terms.mix_to), terms.rest_samples[0]
+    if samples == 0.0:
+        hidden[:] = 0.0
+        return
     hidden[: channels * LANES] = coefficients[mixed * LANES : (mixed + channels) * LANES]
     for entry in range(mixed):
         known = terms.mix_calibrated[entry]
@@ -154,8 +180,10 @@ def _hide(terms, coefficients, hidden):
         at_rest, spread = terms.calibrated_at[channel], terms.calibration_spread[channel]
         largest, resolution = terms.ranges[channel], terms.resolutions[channel]
         bias, taken = _row(hidden, channel), _row(hidden, channels + channel)
+        normals = _row(coefficients, mixed + channels + channel)
         for j in range(LANES):
-            taken[j] = mean_output(at_rest + bias[j], spread, largest, resolution) - at_rest
+            mean = mean_at_rest(at_rest + bias[j], normals[j], samples, spread, largest, resolution)
+            taken[j] = mean - at_rest
 
 
 @scalar

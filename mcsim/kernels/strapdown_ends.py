@@ -8,7 +8,7 @@ import numpy as np
 
 from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import LANES
-from mcsim.kernels.measurement import mean_output
+from mcsim.kernels.measurement import mean_at_rest
 from mcsim.kernels.rotation import (
     LARGEST_TURN,
     angles_from,
@@ -114,15 +114,20 @@ def _mean_at_rest(axis, rest, constants, deviations, terms, scratch, state):
             mixed = coefficients[entry * LANES : (entry + 1) * LANES]
             for j in range(LANES):
                 own[j] += mixed[j] * value
-    if len(terms.ranges) > 0:
-        spread = terms.levelling_spread[channel]
+    if len(hidden) > 0:
+        samples, spread = terms.rest_samples[1], terms.levelling_spread[channel]
         largest, resolution = terms.ranges[channel], terms.resolutions[channel]
+        row = (len(terms.mix_to) + 2 * CHANNELS + channel) * LANES
         for j in range(LANES):
-            kept, taken = 0.0, 0.0
-            if len(hidden) > 0:
-                kept = hidden[channel * LANES + j]
-                taken = hidden[(CHANNELS + channel) * LANES + j]
-            own[j] = mean_output(own[j] + kept, spread, largest, resolution) - taken
+            mean = mean_at_rest(
+                own[j] + hidden[channel * LANES + j],
+                coefficients[row + j],
+                samples,
+                spread,
+                largest,
+                resolution,
+            )
+            own[j] = mean - hidden[(CHANNELS + channel) * LANES + j]
 
 
 @scalar

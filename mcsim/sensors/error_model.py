@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors
 from mcsim.scenario.sensors import BiasCalibration, Sensors
 from mcsim.sensors.coloured import NO_PROCESSES, Processes, after_calibration, processes_of
-from mcsim.sensors.rest import rounding_variances, spread_at_rest
+from mcsim.sensors.rest import spread_at_rest
 from mcsim.sensors.signal_errors import SignalErrors, signal_errors
 from mcsim.units import sample_deviation
 
@@ -55,9 +55,10 @@ class ChannelErrors:
     where the attitude is levelled.  ``ranges`` (infinite for none), ``resolutions`` and
     ``spike_amplitudes`` (zero for none); ``spike_rates`` in Hz.
     ``interval`` is that of the samples (s).  ``at_rest`` are the true signals before the run,
-    ``levelling`` the number of samples whose mean levels the attitude, zero for none.  After a
-    bias calibration ``hidden_bias`` is the deviation of what was calibrated away, which the
-    sensor's output still holds, and ``calibration_spread`` that of the samples that showed it.
+    ``calibration`` and ``levelling`` the numbers of samples that calibrate biases and whose mean
+    levels the attitude, zero for none.  After a bias calibration ``hidden_bias`` is the
+    deviation of what was calibrated away, which the sensor's output still holds, and
+    ``calibration_spread`` that of the samples that showed it.
     """
 
     elements: tuple[str, ...]
@@ -76,7 +77,7 @@ class ChannelErrors:
     at_rest: Array
     hidden_bias: Array
     calibration_spread: Array
-    calibrated: bool = False
+    calibration: int = 0
     levelling: int = 0
 
     @property
@@ -190,8 +191,8 @@ def element_errors(
         at_rest=at_rest[: len(channels)],
         hidden_bias=constant("turn_on_bias") if calibrated else nothing,
         calibration_spread=np.array([spread for _, spread in at_work]),
-        calibrated=calibrated,
-        levelling=max(1, round(levelling * rate)) if levelling > 0.0 else 0,
+        calibration=_samples(calibration.duration, rate) if calibration is not None else 0,
+        levelling=_samples(levelling, rate) if levelling > 0.0 else 0,
     )
 
 
@@ -221,30 +222,22 @@ def _processes(
     )
     if calibration is None:
         return processes, 0.0
-    samples = max(1, round(calibration.duration * rate))
+    samples = _samples(calibration.duration, rate)
     spread = spread_at_rest(processes, white, samples)
-    noise = noise_at_rest(
-        white,
-        spread,
-        float(element.resolution[axis]),
-        element.spike_rate / rate,
-        element.spike_amplitude,
-    )
+    noise = noise_at_rest(white, element.spike_rate / rate, element.spike_amplitude)
     if noise == 0.0 and processes.count == 0:
         return NO_PROCESSES, 0.0  # nothing hides the bias
     return after_calibration(processes, noise, samples, calibration.method), spread
 
 
-def noise_at_rest(
-    white: float, spread: float, resolution: float, spikes_per_sample: float, amplitude: float
-) -> float:
-    """Deviation of all that changes from sample to sample: white noise, spikes and rounding.
-
-    ``spread`` is the deviation of the samples about their mean.
-    """
-    _, rounding = rounding_variances(resolution, spread)
+def noise_at_rest(white: float, spikes_per_sample: float, amplitude: float) -> float:
+    """Deviation of all that a sensor adds anew to every sample: white noise and spikes."""
     spikes = min(spikes_per_sample, 1.0) * amplitude**2
-    return white if rounding + spikes == 0.0 else math.sqrt(white**2 + spikes + rounding)
+    return white if spikes == 0.0 else math.sqrt(white**2 + spikes)
+
+
+def _samples(duration: float, rate: float) -> int:
+    return max(1, round(duration * rate))
 
 
 def _mixing(

@@ -193,13 +193,15 @@ class Measurement:
             decay[k, :count] = own.decay
             start[k, :count] = mean.gains
         errors = self.errors
-        hidden = errors.calibrated and len(self.ranges) > 0
-        nothing = np.zeros(0)
+        nothing, extra = np.zeros(0), np.zeros(0)
+        averaged = len(self.ranges) > 0 and bool(errors.calibration or errors.levelling)
+        if averaged:
+            extra = np.concatenate([errors.hidden_bias, np.ones(2 * c)])
         return ErrorTerms(
             self.mix_to,
             self.mix_from,
             np.array([m.calibrated for m in errors.mixing], float),
-            np.append(self.mix_deviation, errors.hidden_bias) if hidden else self.mix_deviation,
+            np.append(self.mix_deviation, extra),
             innovation,
             gains,
             decay,
@@ -211,9 +213,10 @@ class Measurement:
             self.spike_amplitudes,
             self.ranges,
             self.resolutions,
-            errors.at_rest if hidden else nothing,
-            errors.calibration_spread if hidden else nothing,
-            np.array([mean.spread for mean in self.means]),
+            errors.at_rest if averaged else nothing,
+            errors.calibration_spread if averaged else nothing,
+            np.array([mean.spread for mean in self.means]) if averaged else nothing,
+            np.array([errors.calibration, errors.levelling], float) if averaged else nothing,
         )
 
     @property
@@ -294,9 +297,15 @@ class Measurement:
                 continue
             each = np.sum(weights[:, :, k] ** 2, axis=1)
             # A rounding error is uniform over a step, where the noise is no smaller.
-            rounding = each * errors.resolutions[k] ** 2 / 12.0
-            lasting, _ = rounding_variances(float(errors.resolutions[k]), self.means[k].spread)
-            add(f"{element} quantisation", rounding + rest[:, k] ** 2 * lasting)
+            resolution = float(errors.resolutions[k])
+            rounding = each * resolution**2 / 12.0
+            lasting, _ = rounding_variances(resolution, self.means[k].spread)
+            rounding = rounding + rest[:, k] ** 2 * lasting
+            if errors.calibration:
+                spread = float(errors.calibration_spread[k])
+                _, averaging = rounding_variances(resolution, spread)
+                rounding = rounding + of_offset[:, k] * averaging / errors.calibration
+            add(f"{element} quantisation", rounding)
             if len(self.spike_thresholds):
                 probability = float(self.spike_thresholds[k]) * 2.0**-31
                 add(f"{element} spikes", each * probability * errors.spike_amplitudes[k] ** 2)
@@ -313,10 +322,14 @@ class Measurement:
         errors = self.errors
         if not errors.levelling:
             return np.zeros(len(at_rest.weights))
-        deviations = np.array(
-            [_noise_at_rest(errors, k, self.means[k].spread) for k in range(len(self.white))]
+        variances = np.array(
+            [
+                _noise_at_rest(errors, k) ** 2
+                + rounding_variances(float(errors.resolutions[k]), mean.spread)[1]
+                for k, mean in enumerate(self.means)
+            ]
         )
-        return np.asarray(at_rest.weights**2 @ deviations**2 / errors.levelling, float)
+        return np.asarray(at_rest.weights**2 @ variances / errors.levelling, float)
 
 
 def no_terms(channels: int) -> ErrorTerms:
@@ -342,6 +355,7 @@ def no_terms(channels: int) -> ErrorTerms:
         empty,
         empty,
         empty,
+        empty,
     )
 
 
@@ -351,18 +365,13 @@ def _levelled(errors: ChannelErrors, k: int) -> tuple[Processes, MeanAtRest]:
     if not errors.levelling:
         return processes, MeanAtRest(0.0, np.zeros(processes.count), 0.0)
     spread = spread_at_rest(processes, float(errors.white[k]), errors.levelling)
-    noise = _noise_at_rest(errors, k, spread)
+    noise = _noise_at_rest(errors, k)
     return after_rest(processes, noise, errors.levelling, errors.levels(k), spread)
 
 
-def _noise_at_rest(errors: ChannelErrors, k: int, spread: float) -> float:
-    return noise_at_rest(
-        float(errors.white[k]),
-        spread,
-        float(errors.resolutions[k]),
-        float(errors.spike_rates[k]) * errors.interval,
-        float(errors.spike_amplitudes[k]),
-    )
+def _noise_at_rest(errors: ChannelErrors, k: int) -> float:
+    spikes = float(errors.spike_rates[k]) * errors.interval
+    return noise_at_rest(float(errors.white[k]), spikes, float(errors.spike_amplitudes[k]))
 
 
 def _of_offsets(weights: Array, at_rest: AtRest | None) -> Array:
