@@ -15,6 +15,7 @@ from mcsim.cases import problem_of
 from mcsim.engine import PointResult, point_key
 from mcsim.errors import InputError
 from mcsim.scenario import UNITS, CaseScenario, ErrorRow, Point, Scenario
+from mcsim.scenario.effect import without_effect
 from mcsim.statistics import statistic_names
 from mcsim.sweep import SweepResult, check_points, describe_point
 from mcsim.units import degrees
@@ -304,8 +305,11 @@ def _remarks(scenario: Scenario, sweep: SweepResult) -> list[str]:
         for name, note in result.notes.items():
             affected[name, note] = affected.get((name, note), 0) + 1
     return [
-        f"{name}: {note}" + (f" ({n} of {scenario.n_points} points)" if scenario.axes else "")
-        for (name, note), n in affected.items()
+        *without_effect(scenario),
+        *(
+            f"{name}: {note}" + (f" ({n} of {scenario.n_points} points)" if scenario.axes else "")
+            for (name, note), n in affected.items()
+        ),
     ]
 
 

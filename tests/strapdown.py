@@ -65,7 +65,6 @@ def with_errors(p, white, deviations):
         white=white,
         miscalibration=deviations[OFFSETS],
         turn_on_bias=np.zeros(6),
-        gravity_bias=np.zeros(6),
     )
     return replace(p, sensor_errors=errors, initial_deviations=initial)
 

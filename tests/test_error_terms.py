@@ -374,7 +374,7 @@ def test_calibration_replaces_the_assumed_miscalibration():
 
 
 def test_runs_too_long_for_their_in_run_noise_are_refused(monkeypatch):
-    monkeypatch.setattr("mcsim.sensors.measurement._MOST_STATES", 2000)
+    monkeypatch.setattr("mcsim.sensors.measurement._MOST_STATES", 1500)
     (failure,) = mcsim.run(scenario(TERMS["gyroscope bias instability"])).failures
     assert "the in-run noise of 272 samples" in failure
     assert not mcsim.run(scenario({**ALL_ERRORS, "monte_carlo.realizations": 100})).failures

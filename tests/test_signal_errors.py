@@ -12,12 +12,11 @@ from mcsim.scenario.document import parse_document
 from mcsim.scenario.sensor_file import SensorFile
 from mcsim.scenario.validation import validate
 from mcsim.sensors.noise_processes import (
-    FLICKER_RATIO,
     Flicker,
     GaussMarkov,
     LowPass,
     RandomWalk,
-    flicker_times,
+    flicker_processes,
 )
 from mcsim.sensors.signal_errors import Element, signal_errors
 
@@ -72,23 +71,48 @@ def test_allans_n_is_smaller_than_the_density_by_root_two():
     assert allan(samples[:, 0], RATE, [1.0])[0] == pytest.approx(1e-3, rel=0.12)
 
 
-@pytest.mark.parametrize(("rate", "duration"), [(100.0, 3600.0), (1000.0, 20.0), (10.0, 86400.0)])
-def test_flicker_floor_lies_at_0_664_b(rate, duration):
-    """Exact Allan variance of the processes, without sampling: within 2.5 % from five sample
-    intervals to a tenth of the log."""
-    step, times = 1 / rate, flicker_times(1 / rate, duration)
-    variance = math.log(FLICKER_RATIO) / math.pi
-    for clusters in (5, 20, 100, int(duration * rate / 10)):
-        total = sum(
-            allan_of_ar1(clusters, math.exp(-step / t), variance)
-            if step / t > 1e-4
-            else allan_of_gauss_markov(clusters * step, t, variance)
-            for t in times
-        )
-        assert math.sqrt(total) == pytest.approx(FLOOR, rel=0.025)
-    # Control: with the shortest third of the processes alone the floor is gone.
-    few = sum(allan_of_gauss_markov(duration / 10, t, variance) for t in times[: len(times) // 3])
+def flicker_allan(samples, clusters):
+    """Allan deviation of flicker noise, B = 1, of a run of that many samples; exact."""
+    times, variance = flicker_processes(1.0, samples)
+    total = sum(
+        allan_of_ar1(clusters, math.exp(-1.0 / t), variance)
+        if t < 1e4
+        else allan_of_gauss_markov(clusters, t, variance)
+        for t in times
+    )
+    return math.sqrt(total)
+
+
+def test_flicker_floor_lies_at_0_664_b_for_all_lengths_and_rates():
+    """Within 1.5 % from five samples to a tenth of the run, from 50 samples to 10^7."""
+    for samples in np.unique(np.logspace(math.log10(50), 7, 60).astype(int)):
+        clusters = np.unique(np.logspace(math.log10(5), math.log10(samples / 10), 8).astype(int))
+        for m in clusters:
+            assert flicker_allan(samples, m) == pytest.approx(FLOOR, rel=0.015), (samples, m)
+    # Control: without the shorter half of the processes the floor is gone.
+    times, variance = flicker_processes(1.0, 360_000)
+    few = sum(allan_of_gauss_markov(100, t, variance) for t in times[len(times) // 2 :])
     assert math.sqrt(few) < 0.5 * FLOOR
+
+
+def test_flicker_goes_smoothly_with_the_length_of_the_run():
+    """Variance of the mean over the run, where a process more or less made a step of 15 %."""
+
+    def of_mean(samples):
+        times, variance = flicker_processes(1.0, samples)
+        decay = np.exp(-1.0 / times)[:, None]
+        lags = np.arange(1, samples)
+        sums = samples + 2.0 * np.sum((samples - lags) * decay**lags, axis=1)
+        return variance * np.sum(sums) / samples**2
+
+    lengths = np.unique(np.logspace(1.2, 3.3, 500).astype(int))
+    counts = np.array([len(flicker_processes(1.0, n)[0]) for n in lengths])
+    values = np.array([of_mean(n) for n in lengths])
+    # Ten lengths of the run: it levels off at ln(10) / π and a little.
+    steps = np.abs(np.diff(values) / values[1:])
+    assert np.count_nonzero(np.diff(counts)) >= 3
+    assert steps[lengths[1:] > 100].max() < 2e-3
+    assert np.ptp(values[lengths > 100]) < 0.01 * values[-1]
 
 
 def test_simulated_flicker_has_that_floor():

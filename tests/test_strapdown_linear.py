@@ -132,7 +132,9 @@ def test_the_planar_algorithm_has_a_linear_model_in_space():
     disturbed = [0, 1, 3, 6, 7]
     residual = (u - sample.controls).std(axis=1)[disturbed] / u.std(axis=1)[disturbed]
     assert (residual < 0.03).all()
-    assert np.abs(u[[2, 4, 5]]).max() == 0.0
+    assert np.abs(u[2]).max() == 0.0
+    # Roll and pitch err by the tilt that nobody knows, exactly as their controls do.
+    np.testing.assert_allclose(u[[4, 5]], sample.controls[[4, 5]], atol=1e-12)
     mean, second = p.linear.mean[3], p.linear.second_moment[3]
     control = sample.controls[3]
     assert abs(control.mean() - mean) < 5 * control.std() / np.sqrt(n)

@@ -7,7 +7,7 @@ reconstruct the same drive from the same random numbers.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -25,16 +25,24 @@ from mcsim.cases.planar_linear import beyond_controls
 from mcsim.cases.problem import Array, History, LinearModel, Sample
 from mcsim.cases.strapdown import CHANNELS as ALL_CHANNELS
 from mcsim.cases.strapdown import RATES as ALL_RATES
-from mcsim.cases.strapdown import sampled
+from mcsim.cases.strapdown import sampled, signals_at_rest, tilt_deviations
 from mcsim.cases.strapdown_linear import position_moments
 from mcsim.scenario import StrapdownScenario
-from mcsim.sensors.error_model import channel_errors, per_interval
+from mcsim.sensors.error_model import Mixing, channel_errors, per_interval
 from mcsim.trajectory import Motion
 from mcsim.trajectory.spatial import SpatialMotion, spatial_drive
 
 #: Places of the planar errors (along, across, position, heading, course) among the eight.
 _PLANAR = [0, 1, 3, 6, 7]
 _POSITION = 3
+#: The channel of the force upwards, and the name of an unknown tilt in budgets.
+_UP, TILT = 3, "initial tilt error"
+#: Places of roll and pitch among the eight errors.
+_ANGLES = [4, 5]
+#: Which of the unseen errors (height, roll, pitch) goes with the gravity that the forward and
+#: the left channel see, and its sign: the left side up is felt to the left, the nose down
+#: backwards, and the algorithm takes both for zero.
+_ERROR_BY_TILT = {0: (2, 1.0), 1: (1, -1.0)}
 
 
 @dataclass(frozen=True)
@@ -42,7 +50,8 @@ class LevelProblem:
     """A planar problem, and the attitude and height that it knows nothing of.
 
     Roll and pitch are taken for zero, the height for that of the start; ``truth`` is the true
-    motion at the samples 0 ... n.
+    motion at the samples 0 ... n.  The vehicle may be tilted beyond that, unknown to anybody:
+    then its sensors show gravity, as a coefficient of the force upwards.
     """
 
     planar: PlanarProblem
@@ -62,8 +71,10 @@ class LevelProblem:
         drive = spatial_drive(model, folder)
         sensors = model.sensors
         duration, further = drive.drive.duration, ALL_CHANNELS[len(CHANNELS) :]
-        errors = channel_errors(sensors, CHANNELS, duration, further=further)
-        everything = channel_errors(sensors, ALL_CHANNELS, duration)
+        at_rest = signals_at_rest(drive.at_rest(-drive.drive.lead))
+        errors = channel_errors(sensors, CHANNELS, duration, at_rest, further)
+        errors = replace(errors, mixing=(*_tilts(model), *errors.mixing))
+        everything = channel_errors(sensors, ALL_CHANNELS, duration, at_rest)
         samples = sampled(drive, sensors.rate, sensors.sampling, everything.bandwidths)
         planar = PlanarProblem(
             # The algorithm reads three channels; the others show in them by misalignment.
@@ -105,16 +116,32 @@ class LevelProblem:
         errors[_POSITION] = np.sqrt(errors[0] ** 2 + errors[1] ** 2 + errors[2] ** 2)
         return errors
 
+    def _tilted(self, key: int, first: int, count: int, net: int = 0) -> Array:
+        """What the unknown tilt of each realization adds to the unseen errors (3, count)."""
+        added = np.zeros((3, count))
+        mixing = self.planar.sensor_errors.mixing
+        if not any(m.term == TILT for m in mixing):
+            return added
+        normals = self.planar.mixing_normals(key, first, count, net)
+        for entry, normal in zip(mixing, normals, strict=True):
+            if entry.term == TILT:
+                row, sign = _ERROR_BY_TILT[entry.target]
+                added[row] += sign * entry.deviation * normal
+        return added
+
     def simulate(
         self, key: int, first: int, count: int, controls: bool = False, net: int = 0
     ) -> Sample:
         sample = self.planar.simulate(key, first, count, controls, net)
-        errors = self._complete(sample.errors, self._unseen[:, -1:])
+        tilted = self._tilted(key, first, count, net)
+        errors = self._complete(sample.errors, self._unseen[:, -1:] + tilted)
+        errors[_ANGLES] = wrap(errors[_ANGLES])
         if not controls:
             return Sample(errors, sample.controls)
         method = self.method_errors()
         linear = np.zeros_like(errors)
         linear[_PLANAR] = sample.controls
+        linear[_ANGLES] = tilted[1:]
         place = method[:3, None] + linear[:3]
         linear[_POSITION] = np.sqrt(np.sum(place**2, axis=0)) - method[_POSITION]
         return Sample(errors, linear)
@@ -126,12 +153,17 @@ class LevelProblem:
         everything = controls + beyond_controls(controls, self.planar.variances_by_source)
         place = _in_space(everything)
         mean, second = _complete_moments(planar.mean, planar.second_moment, method, place)
+        of_tilt = self._tilt_variances()
+        second[_ANGLES] = of_tilt
         control_mean, control_second = _complete_moments(
             planar.control_mean, planar.control_second_moment, method, _in_space(controls)
         )
+        control_second[_ANGLES] = of_tilt
         variances = {source: np.zeros(8) for source in planar.variances}
         for source, variance in planar.variances.items():
             variances[source][_PLANAR] = variance
+        if TILT in variances:
+            variances[TILT][_ANGLES] = of_tilt
         return LinearModel(
             mean,
             second,
@@ -141,11 +173,27 @@ class LevelProblem:
             {_POSITION: lambda p: length_quantile(method[:3], place, p)},
         )
 
+    def _tilt_variances(self) -> Array:
+        """Variances (2,) of the errors of roll and pitch by the unknown tilt."""
+        variances = np.zeros(3)
+        for entry in self.planar.sensor_errors.mixing:
+            if entry.term == TILT:
+                variances[_ERROR_BY_TILT[entry.target][0]] += entry.deviation**2
+        return variances[1:]
+
     def history(self, key: int, first: int, count: int) -> History:
         history = self.planar.history(key, first, count)
-        unseen = np.broadcast_to(self._unseen[:, :, None], (3, *history.errors.shape[1:]))
+        unseen = self._unseen[:, :, None] + self._tilted(key, first, count)[:, None, :]
         errors = self._complete(history.errors, unseen)
+        errors[_ANGLES] = wrap(errors[_ANGLES])
         return History(history.time, history.tracks, history.truth, errors)
+
+
+def _tilts(model: StrapdownScenario) -> list[Mixing]:
+    """What an unknown tilt of the vehicle, which is taken for level, makes of the force upwards."""
+    roll, pitch = tilt_deviations(model)
+    tilts = [Mixing(0, _UP, pitch, TILT), Mixing(1, _UP, roll, TILT)]
+    return [tilt for tilt in tilts if tilt.deviation > 0.0]
 
 
 def _in_space(covariance: Array) -> Array:

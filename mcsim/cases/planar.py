@@ -43,6 +43,9 @@ _MOST_DENSE_SAMPLES = 20_000_000
 #: Forward and left acceleration, yaw rate.
 CHANNELS = (Channel(ACCELEROMETER, 0), Channel(ACCELEROMETER, 1), Channel(GYROSCOPE, 2))
 RATES = (False, False, True)
+#: The axis of gravity, which a level vehicle does not measure, and the true signals at rest.
+_VERTICAL = (Channel(ACCELEROMETER, 2),)
+_AT_REST = np.array([0.0, 0.0, 0.0, STANDARD_GRAVITY])
 
 
 @dataclass(frozen=True)
@@ -77,12 +80,16 @@ class PlanarProblem:
         """
         drive = drive_of(model.trajectory, folder)
         sensors = model.sensors
-        errors = channel_errors(sensors, CHANNELS, drive.duration, STANDARD_GRAVITY)
+        errors = channel_errors(sensors, CHANNELS, drive.duration, _AT_REST, further=_VERTICAL)
         samples = _sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
+        signals = samples.signals
+        if errors.mixing:
+            # Gravity is not measured, but shows by misalignment and g-sensitivity.
+            signals = np.column_stack([signals, np.full(len(signals), STANDARD_GRAVITY)])
         return cls(
-            signals=samples.signals,
+            signals=signals,
             initial_deviations=initial_deviations(model.initial),
-            sensor_errors=per_interval(errors, RATES, 1.0 / sensors.rate),
+            sensor_errors=per_interval(errors, (*RATES, False), 1.0 / sensors.rate),
             truth=samples.truth,
             interval=1.0 / sensors.rate,
             trapezoidal=model.reconstruction.integration == "trapezoidal",
@@ -202,7 +209,7 @@ class PlanarProblem:
         net: int = 0,
     ) -> tuple[Array, Array]:
         """Errors (5, count) and linear errors (4, count or 0)."""
-        from mcsim.kernels.planar import ERRORS, LINEAR_ERRORS, N_CONSTANTS, simulate
+        from mcsim.kernels.planar import ERRORS, LINEAR_ERRORS, simulate
 
         truth = self.truth
         course_end = math.nan if "course" in self.missing else float(truth.course[-1])
@@ -213,7 +220,6 @@ class PlanarProblem:
             samples, constants = self._kernel_weights
         m = self.measurement if disturbed else Measurement.none(self.sensor_errors)
         factor = 1.0 if disturbed else 0.0
-        drawn = -(-(N_CONSTANTS + len(m.mix_to)) // 4) * 4
         simulate(
             np.uint64(key),
             np.uint64(first),
@@ -229,13 +235,34 @@ class PlanarProblem:
             m.largest(self.signals, 2),
             samples,
             constants,
-            net_normals(key, first, count, net, drawn) if net else _NONE_GIVEN,
+            net_normals(key, first, count, net, self._drawn(m)) if net else _NONE_GIVEN,
             errors,
             linear,
             np.empty((0, 0, 0)) if history is None else history,
             m.terms,
         )
         return errors, linear
+
+    @staticmethod
+    def _drawn(measurement: Measurement) -> int:
+        """Normals that the kernel draws once per realization."""
+        from mcsim.kernels.planar import N_CONSTANTS
+
+        return -(-(N_CONSTANTS + measurement.coefficients) // 4) * 4
+
+    def mixing_normals(self, key: int, first: int, count: int, net: int = 0) -> Array:
+        """The normals (m, count) of the mixing coefficients of some realizations."""
+        from mcsim.kernels.constants import constants_of
+        from mcsim.kernels.planar import N_CONSTANTS
+
+        drawn = self._drawn(self.measurement)
+        if net:
+            normals = net_normals(key, first, count, net, drawn)
+        else:
+            normals = np.empty((drawn, count), np.float32)
+            constants_of(np.uint64(key), np.uint64(first), normals)
+        entries = len(self.sensor_errors.mixing)
+        return normals[N_CONSTANTS : N_CONSTANTS + entries].astype(float)
 
     @cached_property
     def _kernel_weights(self) -> tuple[Array, Array]:

@@ -82,16 +82,24 @@ class StrapdownProblem:
         """
         drive = spatial_drive(model, folder)
         sensors = model.sensors
-        errors = channel_errors(sensors, CHANNELS, drive.drive.duration)
+        rest = drive.at_rest(-drive.drive.lead)
+        levelling = model.initial.levelling
+        errors = channel_errors(
+            sensors,
+            CHANNELS,
+            drive.drive.duration,
+            signals_at_rest(rest),
+            levelling=levelling.duration if levelling is not None else 0.0,
+        )
         samples = sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
         errors = per_interval(errors, RATES, 1.0 / sensors.rate)
         return cls(
             signals=samples.signals,
             sensor_errors=errors,
-            initial_deviations=_initial_deviations(model, errors.white),
+            initial_deviations=_initial_deviations(model),
             truth=samples.truth,
-            rest=drive.at_rest(-drive.drive.lead),
-            levelled=model.initial.levelling is not None,
+            rest=rest,
+            levelled=levelling is not None,
             gravity=model.body.gravity,
             interval=1.0 / sensors.rate,
             method=_METHODS[model.reconstruction.integration],
@@ -120,12 +128,12 @@ class StrapdownProblem:
     @cached_property
     def measurement(self) -> Measurement:
         """The sensor errors as the kernel takes them."""
-        return Measurement.of(self.sensor_errors, self._rows, self.interval)
+        first = 1 if self.method == kernel.FORWARD_EULER else 0
+        return Measurement.of(self.sensor_errors, self._rows, self.interval, first=first)
 
     @cached_property
     def _at_rest(self) -> AtRest:
-        forward, left, up = self.rest
-        return AtRest(self.weights.at_rest, np.array([forward, left, 0.0, up, 0.0, 0.0]))
+        return AtRest(self.weights.at_rest, signals_at_rest(self.rest))
 
     @cached_property
     def normal_weights(self) -> NormalWeights:
@@ -138,6 +146,7 @@ class StrapdownProblem:
         by_source = {
             **self.measurement.variances(weights.samples, self._rows, self._at_rest),
             **weights.variances(self.initial_deviations),
+            "levelling noise": self.measurement.levelling_noise(self._at_rest),
         }
         initial = weights.initial * self.initial_deviations
         covariance = self.normal_weights.covariance + initial @ initial.T
@@ -240,7 +249,7 @@ class StrapdownProblem:
         linear = np.empty((kernel.LINEAR_ERRORS, count if with_linear else 0))
         samples, constants = self._kernel_weights if with_linear else (_NOTHING, _NOTHING)
         m = self.measurement if disturbed else Measurement.none(self.sensor_errors)
-        drawn = kernel.N_CONSTANTS + -(-len(m.mix_to) // 4) * 4
+        drawn = kernel.N_CONSTANTS + -(-m.coefficients // 4) * 4
         kernel.simulate(
             np.uint64(key),
             np.uint64(first),
@@ -273,6 +282,7 @@ class StrapdownProblem:
         deviations[_OFFSETS] = m.offsets
         if self.method != kernel.FORWARD_EULER:
             deviations[_FIRST] = m.white
+        deviations[_REST] = [m.means[channel].deviation for channel in _FORCE]
         return deviations
 
     @cached_property
@@ -285,6 +295,7 @@ class StrapdownProblem:
         constants[:, : kernel.N_CONSTANTS] = self.weights.initial * self.initial_deviations
         constants[:, _OFFSETS] = w.offsets
         constants[:, _FIRST] = w.samples[:, 0]
+        constants[:, _REST] = w.levelling[:, _FORCE]
         constants[:, kernel.N_CONSTANTS :] = w.mixing
         return np.column_stack([channels, turns]), constants
 
@@ -299,6 +310,17 @@ _FIRST = [
 ]
 
 
+#: Constants of the mean specific force at rest, and the channels that it is the mean of.
+_REST, _FORCE = [kernel.REST, kernel.REST + 1, kernel.REST + 2], [0, 1, 3]
+
+
+def signals_at_rest(force: Array) -> Array:
+    """True signals (6,) of a vehicle at rest under the specific force (3,): forward, left, up."""
+    signals = np.zeros(kernel.CHANNELS)
+    signals[_FORCE] = force
+    return signals
+
+
 def _angles(truth: SpatialMotion) -> Array:
     attitude = truth.attitude
     return np.stack([attitude.roll, attitude.pitch, attitude.heading])
@@ -311,7 +333,7 @@ def _per_interval(rate: float) -> Array:
     return factors
 
 
-def _initial_deviations(model: StrapdownScenario, white: Array) -> Array:
+def _initial_deviations(model: StrapdownScenario) -> Array:
     """Standard deviations (24,) of the initial errors, in the places of the kernel's constants."""
     initial = model.initial
     deviations = np.zeros(kernel.N_CONSTANTS)
@@ -319,12 +341,17 @@ def _initial_deviations(model: StrapdownScenario, white: Array) -> Array:
     deviations[kernel.DIRECTION] = initial.direction_error
     deviations[kernel.HEADING] = initial.heading_error
     deviations[kernel.COURSE] = initial.course_error
-    deviations[kernel.ROLL] = math.hypot(initial.tilt_error, initial.roll_error)
-    deviations[kernel.PITCH] = math.hypot(initial.tilt_error, initial.pitch_error)
-    if initial.levelling is not None:
-        averaged = max(1, round(initial.levelling.duration * model.sensors.rate))
-        deviations[kernel.REST : kernel.REST + 3] = white[[0, 1, 3]] / math.sqrt(averaged)
+    deviations[[kernel.ROLL, kernel.PITCH]] = tilt_deviations(model)
     return deviations
+
+
+def tilt_deviations(model: StrapdownScenario) -> tuple[float, float]:
+    """Standard deviations of the initial errors of roll and pitch (rad)."""
+    initial = model.initial
+    return (
+        math.hypot(initial.tilt_error, initial.roll_error),
+        math.hypot(initial.tilt_error, initial.pitch_error),
+    )
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,6 @@ from mcsim.kernels.strapdown import (
     N_CONSTANTS,
     PITCH,
     RECTANGULAR,
-    REST,
     ROLL,
     SPEED,
     TWO_SAMPLE,
@@ -48,7 +47,6 @@ _INITIAL = {
     "initial heading error": [HEADING],
     "initial course error": [COURSE],
     "initial tilt error": [ROLL, PITCH],
-    "levelling noise": [REST, REST + 1, REST + 2],
 }
 
 
@@ -142,7 +140,6 @@ def linear_weights(
     if levelled:
         by_force = by_tilt[:, :2] @ _levelling(rest)
         at_rest[:, _FORCE] = by_force
-        constants[:, [REST, REST + 1, REST + 2]] = by_force
     return Weights(samples, constants, at_rest)
 
 

@@ -311,7 +311,7 @@ class VelocityProblem:
         from mcsim.kernels.velocity_measured import constant_rows, no_weights, simulate_measured
 
         m = self.measurement
-        drawn = constant_rows(len(m.mix_to))  # type: ignore[no-untyped-call]
+        drawn = constant_rows(m.coefficients)  # type: ignore[no-untyped-call]
         simulate_measured(
             np.uint64(key),
             np.uint64(first),

@@ -142,6 +142,7 @@ def run(
     if dry_run:
         for scenario in read:
             click.echo(_plan(scenario))
+            _note_without_effect(scenario)
         return
     failures = []
     draw = _leave_undrawn if no_figures else None
@@ -176,6 +177,7 @@ def validate(files: tuple[Path, ...]) -> None:
             scenario = Scenario.from_yaml(path)
             check(scenario)
             click.echo(f"{path}: valid, {scenario.n_points} point(s)")
+            _note_without_effect(scenario)
         except InputError as error:
             problems.append(str(error))
     if problems:
@@ -348,6 +350,13 @@ def _note(results: Results) -> None:
         click.echo("note: no folder for compiled code can be written; it is made anew", err=True)
     for remark in results.remarks:
         click.echo(f"note: {remark}", err=True)
+
+
+def _note_without_effect(scenario: Scenario) -> None:
+    from mcsim.scenario.effect import without_effect
+
+    for sentence in without_effect(scenario):
+        click.echo(f"note: {sentence}", err=True)
 
 
 def _raise_failures(failures: list[str]) -> None:

@@ -98,14 +98,14 @@ def draw_columns(columns: list[Column], title: str | None = None) -> Figure:
             if column.title:
                 grid[0, j].set_title(column.title)
         _place_legends(figure, grid, families)
-        _explain_marks(figure, columns[0].results.scenario)
+        _explain_marks(figure, [column.results.scenario for column in columns])
     return figure
 
 
-def _explain_marks(figure: Figure, scenario: Scenario) -> None:
-    sigmas = scenario.base.monte_carlo.confidence
+def _explain_marks(figure: Figure, scenarios: list[Scenario]) -> None:
+    sigmas = scenarios[0].base.monte_carlo.confidence
     text = f"bars: {labels.confidence_words(sigmas)} bootstrap intervals "
-    if scenario.base.figure.method:
+    if any(scenario.base.figure.method for scenario in scenarios):
         text += "\ndotted: method error, no sensor error "
     style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 7.5, "color": "#6b7280"}
     if figure.legends:

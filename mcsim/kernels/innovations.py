@@ -98,18 +98,18 @@ def fold(
         Of the samples, for each of e errors.
     deviations, gains, decay : float64 (n,), (n, m), (m,)
         As ``innovations`` writes them.
-    later : float64 (m,), overwritten
-        Room for what the processes carry on.
+    later : float64 (e, m), written
+        Weights of the processes' states at the first sample.
     folded : float64 (e, n), written
     """
+    later[:] = 0.0
     for e in range(weights.shape[0]):
-        later[:] = 0.0
         for k in range(weights.shape[1] - 1, -1, -1):
             total = weights[e, k] * deviations[k]
             for s in range(len(decay)):
                 # ``later`` sums decay^(distance) weight over the samples after this one.
-                total += later[s] * gains[k, s]
-                later[s] = weights[e, k] + decay[s] * later[s]
+                total += later[e, s] * gains[k, s]
+                later[e, s] = weights[e, k] + decay[s] * later[e, s]
             folded[e, k] = total
 
 
@@ -126,33 +126,3 @@ def watched(
     for _ in range(samples):
         _watch(white, covariance, gain)
         _predict(decay, step_variance, covariance)
-
-
-@kernel
-def averaged(
-    decay: Array, step_variance: Array, white: float, samples: int, covariance: Array
-) -> None:
-    """Covariance of the processes and of the mean of their noisy sum over some samples.
-
-    ``covariance`` (m + 1, m + 1) begins with that of the processes; its last row and column
-    (zero before) are those of the mean, one step after the last sample.
-    """
-    m = len(decay)
-    share = 1.0 / samples
-    for _ in range(samples):
-        # The mean grows by the sum of the processes and the white noise.
-        for b in range(m + 1):
-            for a in range(m):
-                covariance[m, b] += share * covariance[a, b]
-        for a in range(m + 1):
-            for b in range(m):
-                covariance[a, m] += share * covariance[a, b]
-        covariance[m, m] += (share * white) ** 2
-        for a in range(m):
-            for b in range(m + 1):
-                covariance[a, b] *= decay[a]
-        for a in range(m + 1):
-            for b in range(m):
-                covariance[a, b] *= decay[b]
-        for a in range(m):
-            covariance[a, a] += step_variance[a]

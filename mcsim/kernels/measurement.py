@@ -35,49 +35,166 @@ Array = NDArray[np.float64]
 class ErrorTerms(NamedTuple):
     """The error terms of c channels over n + 1 samples, beyond white noise and offsets.
 
-    mix_to, mix_from : int64 (m,); mix_deviation : float64 (m,)
-        Coefficients drawn once per realization: how much of a channel's signal shows in another.
+    mix_to, mix_from : int64 (m,); mix_calibrated : float64 (m,)
+        Whose signal, less its calibrated part, shows in which channel.
+    mix_deviation : float64 (m,) or (m + 3 c,)
+        Coefficients drawn once per realization: how much of a channel's signal shows in another;
+        then, where a digital output is averaged at rest, the channels' biases that are calibrated
+        away, and normals for what rounding makes of the means that calibrate and that level.
     innovation : float64 (n + 1, c) or (0, c)
         Standard deviation of each sample's innovation; empty where white noise and offsets are
         all there is, and then everything else is empty as well.
     gains, decay : float64 (n + 1, c, p), (c, p)
         Gains and decay of the coloured noise's processes; see ``mcsim.kernels.innovations``.
+    start : float64 (c, p)
+        What a unit normal of the mean that levels the attitude adds to the processes at the first
+        sample.
     jitter : float64 (n + 1, c) or (0, c)
         Slope of each signal times the deviation of the sampling instants.
     spike_thresholds, spike_amplitudes : uint32, float64 (c,) or (0,)
         Half of 2^32 times the probability of a spike per sample, and its height.
     ranges, resolutions : float64 (c,) or (0,)
         Where each channel saturates, and its quantisation step (zero for none).
+    calibrated_at, calibration_spread, levelling_spread : float64 (c,) or (0,)
+        Where a digital output is averaged at rest: true signals there, and the deviations of the
+        samples while biases are calibrated and while the attitude is levelled.
+    rest_samples : float64 (2,) or (0,)
+        Numbers of these samples, zero for none.
     """
 
     mix_to: NDArray[np.int64]
     mix_from: NDArray[np.int64]
+    mix_calibrated: Array
     mix_deviation: Array
     innovation: Array
     gains: Array
     decay: Array
+    start: Array
     jitter: Array
     spike_thresholds: NDArray[np.uint32]
     spike_amplitudes: Array
     ranges: Array
     resolutions: Array
+    calibrated_at: Array
+    calibration_spread: Array
+    levelling_spread: Array
+    rest_samples: Array
 
 
 @scalar
 def make_scratch(terms):
-    """Coefficients of the mixing and a spare row, processes, and the stream of events."""
-    coefficients = np.zeros((len(terms.mix_to) + 1) * LANES, np.float64)
+    """Coefficients and a spare row, processes, the stream of events, and what calibration hides.
+
+    The last has two rows per channel: what the output holds beyond the calibrated value, and
+    what is taken off it.
+    """
+    coefficients = np.zeros((len(terms.mix_deviation) + 1) * LANES, np.float64)
     processes = np.zeros(terms.decay.size * LANES, np.float64)
-    return coefficients, processes, np.empty(4 * LANES, np.uint32)
+    hidden = np.zeros(2 * len(terms.calibrated_at) * LANES, np.float64)
+    return coefficients, processes, np.empty(4 * LANES, np.uint32), hidden
 
 
 @scalar
 def start_measuring(key, first, terms, first_row, constants, scratch):
     """Begin a block: coefficients from the constants' rows ``first_row`` and following."""
-    coefficients, processes, event_state = scratch
+    coefficients, processes, event_state, hidden = scratch
     draw_coefficients(terms.mix_deviation, first_row, constants, coefficients)
     seed_lanes(key, first, EVENTS, event_state)
     processes[:] = 0.0
+    if len(hidden) > 0:
+        _hide(terms, coefficients, hidden)
+
+
+@scalar
+def _normal_below(x):
+    return 0.5 * math.erfc(-x * math.sqrt(0.5))
+
+
+@scalar
+def _mean_cut(value, spread, largest):
+    """Mean of a normal value that is cut at plus and minus ``largest``."""
+    if largest == math.inf:
+        return value
+    low, high = (-largest - value) / spread, (largest - value) / spread
+    below, above = _normal_below(low), _normal_below(-high)
+    density = math.exp(-0.5 * low * low) - math.exp(-0.5 * high * high)
+    within = value * (1.0 - below - above) + spread * density / math.sqrt(2.0 * math.pi)
+    return within + largest * (above - below)
+
+
+@scalar
+def mean_output(value, spread, largest, resolution):
+    """Mean of the digitised output of a normal value, and the variance that rounding adds.
+
+    The mean is what averaging at rest finds; it moves with the mean of the noise.  What
+    the samples scatter beyond that is rounding's own.
+    """
+    if spread <= 0.0:
+        cut = min(max(value, -largest), largest)
+        only = resolution * math.floor(cut / resolution + 0.5) if resolution > 0.0 else cut
+        return only, 0.0
+    if resolution <= 0.0:
+        return _mean_cut(value, spread, largest), 0.0
+    if spread > 1.5 * resolution:
+        # Noise of more than a step leaves no trace of the steps in a mean.
+        return _mean_cut(value, spread, largest), resolution * resolution / 12.0
+    reach = 8.0 * spread
+    cut = min(max(value - reach, -largest), largest)
+    step = math.floor(cut / resolution + 0.5)
+    cut = min(max(value + reach, -largest), largest)
+    last = math.floor(cut / resolution + 0.5)
+    first, mean, square, slope, order = step, 0.0, 0.0, 0.0, 1.0
+    while step < last:
+        step += 1.0
+        place = (value - (step - 0.5) * resolution) / spread
+        beyond = _normal_below(place)
+        mean += beyond
+        square += order * beyond
+        slope += math.exp(-0.5 * place * place)
+        order += 2.0
+    slope *= resolution / math.sqrt(2.0 * math.pi)
+    scatter = resolution * resolution * (square - mean * mean) - slope * slope
+    return resolution * (first + mean), max(0.0, scatter)
+
+
+@scalar
+def mean_at_rest(value, normal, samples, spread, largest, resolution):
+    """Mean of ``samples`` digitised outputs whose noise has brought ``value``."""
+    mean, rounding = mean_output(value, spread, largest, resolution)
+    return mean + normal * math.sqrt(rounding / samples)
+
+
+@scalar
+def _hide(terms, coefficients, hidden):
+    """What the output holds beyond the calibrated value, and what calibrating at rest takes off."""
+    channels = len(terms.calibrated_at)
+    mixed, samples = len(terms.mix_to), terms.rest_samples[0]
+    if samples == 0.0:
+        hidden[:] = 0.0
+        return
+    hidden[: channels * LANES] = coefficients[mixed * LANES : (mixed + channels) * LANES]
+    for entry in range(mixed):
+        known = terms.mix_calibrated[entry]
+        _mix(known, _row(coefficients, entry), _row(hidden, terms.mix_to[entry]))
+    for channel in range(channels):
+        at_rest, spread = terms.calibrated_at[channel], terms.calibration_spread[channel]
+        largest, resolution = terms.ranges[channel], terms.resolutions[channel]
+        bias, taken = _row(hidden, channel), _row(hidden, channels + channel)
+        normals = _row(coefficients, mixed + channels + channel)
+        for j in range(LANES):
+            mean = mean_at_rest(at_rest + bias[j], normals[j], samples, spread, largest, resolution)
+            taken[j] = mean - at_rest
+
+
+@scalar
+def expect_after_rest(channel, normals, terms, processes):
+    """Move a channel's processes to where the normals of the levelling's mean expect them."""
+    count = terms.start.shape[1]
+    for s in range(count):
+        gain = terms.start[channel, s]
+        own = _row(processes, channel * count + s)
+        for j in range(LANES):
+            own[j] += gain * normals[j]
 
 
 @scalar
@@ -226,7 +343,7 @@ def measure(
     further channels rows of ``further_normals`` from ``further_row`` on.  The last of the
     coefficients' rows is spare.  Processes come in fours.
     """
-    coefficients, processes, event_state = scratch
+    coefficients, processes, event_state, hidden = scratch
     count = terms.decay.shape[1]
     for channel in range(channels):
         drawn = (
@@ -248,10 +365,10 @@ def measure(
             else:
                 _processes(decay, gains, drawn, group, own)
     for entry in range(len(terms.mix_to)):
-        value = signals[i, terms.mix_from[entry]]
+        value = signals[i, terms.mix_from[entry]] - terms.mix_calibrated[entry]
         _mix(value, _row(coefficients, entry), _row(measured, terms.mix_to[entry]))
     if terms.jitter.shape[0] > 0:
-        common = _row(coefficients, len(terms.mix_to))
+        common = _row(coefficients, len(terms.mix_deviation))
         _draw_event_normals(event_state, common)
         for channel in range(channels):
             _mix(terms.jitter[i, channel], common, _row(measured, channel))
@@ -260,8 +377,12 @@ def measure(
         if len(terms.spike_thresholds) > 0:
             threshold, amplitude = terms.spike_thresholds[channel], terms.spike_amplitudes[channel]
             _spike(threshold, amplitude, event_state, own)
+        if len(hidden) > 0:
+            _mix(1.0, _row(hidden, channel), own)
         if len(terms.ranges) > 0:
             if terms.resolutions[channel] > 0.0:
                 _digitise(terms.ranges[channel], terms.resolutions[channel], own)
             else:
                 _saturate(terms.ranges[channel], own)
+        if len(hidden) > 0:
+            _mix(-1.0, _row(hidden, channels + channel), own)

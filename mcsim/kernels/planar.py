@@ -144,7 +144,7 @@ def simulate(
         coefficients.
     """
     n = signals.shape[0] - 1
-    n_constants = (N_CONSTANTS + len(terms.mix_to) + 3) // 4 * 4
+    n_constants = (N_CONSTANTS + len(terms.mix_deviation) + 3) // 4 * 4
     plain = terms.innovation.shape[0] == 0
     record = history.shape[1] > 0
     with_linear = linear.shape[1] > 0

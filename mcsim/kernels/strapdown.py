@@ -39,7 +39,13 @@ from mcsim.kernels.lanes import (
     seed_lanes,
     take_constants,
 )
-from mcsim.kernels.measurement import ErrorTerms, make_scratch, measure, start_measuring
+from mcsim.kernels.measurement import (
+    ErrorTerms,
+    expect_after_rest,
+    make_scratch,
+    measure,
+    start_measuring,
+)
 from mcsim.kernels.quaternion import LARGEST_ROTATION, LITTLE_ROTATION
 from mcsim.kernels.strapdown_ends import (
     add_linear,
@@ -209,7 +215,7 @@ def simulate(
     planar = np.empty(3 * GROUP * LANES, np.float32)
     spatial = np.empty(3 * GROUP * LANES, np.float32)
     noise = planar, spatial
-    mixed = (len(terms.mix_to) + 3) // 4 * 4
+    mixed = (len(terms.mix_deviation) + 3) // 4 * 4
     plain = terms.innovation.shape[0] == 0
     with_given = given.shape[1] > 0
     with_constants = with_constants or not plain
@@ -242,9 +248,8 @@ def simulate(
             levelled,
             signals,
             interval,
-            terms.mix_to,
-            terms.mix_from,
-            scratch[0],
+            terms,
+            scratch,
             state,
         )
         if with_linear:
@@ -256,6 +261,12 @@ def simulate(
         measured = state[OFFSETS : OFFSETS + CHANNELS * LANES]
         if not plain:
             offsets[:] = measured
+        if levelled and not plain:
+            for axis in range(3):
+                normals = constants[(REST + axis) * LANES : (REST + axis + 1) * LANES]
+                expect_after_rest(3 if axis == 2 else axis, normals, terms, scratch[1])
+        # The forward Euler rule reads sample 0 in its first step.
+        if not plain and method != FORWARD_EULER:
             measure(
                 0,
                 CHANNELS,

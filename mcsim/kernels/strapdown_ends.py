@@ -8,6 +8,7 @@ import numpy as np
 
 from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import LANES
+from mcsim.kernels.measurement import mean_at_rest
 from mcsim.kernels.rotation import (
     LARGEST_TURN,
     angles_from,
@@ -93,36 +94,52 @@ def _start_motion(constants, deviations, initial, interval, state):
 
 
 @scalar
-def _add_mixing_at_rest(rest, mix_to, mix_from, coefficients, state):
-    """What mixing adds to the specific force at rest, into the rows E, F, G of the axes."""
+def _mean_at_rest(axis, rest, constants, deviations, terms, scratch, state):
+    """Mean measured specific force at rest of one axis (0, 1, 2), into the rows E, F or G.
+
+    It holds the offset that the sensor keeps, what mixing makes of gravity, in-run noise, and
+    the digital output's steps and limits.
+    """
+    channel = 3 if axis == 2 else axis
+    coefficients, hidden = scratch[0], scratch[3]
+    own = state[E + axis * LANES : E + (axis + 1) * LANES]
     for j in range(LANES):
-        state[E + j] = 0.0
-        state[F + j] = 0.0
-        state[G + j] = 0.0
-    for entry in range(len(mix_to)):
-        if FORCE[mix_to[entry]] and FORCE[mix_from[entry]]:
-            value = rest[2] if mix_from[entry] == 3 else rest[mix_from[entry]]
-            axis = 2 if mix_to[entry] == 3 else mix_to[entry]
-            row = state[E + axis * LANES : E + (axis + 1) * LANES]
-            own = coefficients[entry * LANES : (entry + 1) * LANES]
+        noise = deviations[REST + axis] * constants[(REST + axis) * LANES + j]
+        own[j] = rest[axis] + state[OFFSETS + channel * LANES + j] + noise
+    for entry in range(len(terms.mix_to)):
+        source = terms.mix_from[entry]
+        if terms.mix_to[entry] == channel and FORCE[source]:
+            value = rest[2] if source == 3 else rest[source]
+            value -= terms.mix_calibrated[entry]
+            mixed = coefficients[entry * LANES : (entry + 1) * LANES]
             for j in range(LANES):
-                row[j] += own[j] * value
+                own[j] += mixed[j] * value
+    if len(hidden) > 0:
+        samples, spread = terms.rest_samples[1], terms.levelling_spread[channel]
+        largest, resolution = terms.ranges[channel], terms.resolutions[channel]
+        row = (len(terms.mix_to) + 2 * CHANNELS + channel) * LANES
+        for j in range(LANES):
+            mean = mean_at_rest(
+                own[j] + hidden[channel * LANES + j],
+                coefficients[row + j],
+                samples,
+                spread,
+                largest,
+                resolution,
+            )
+            own[j] = mean - hidden[(CHANNELS + channel) * LANES + j]
 
 
 @scalar
-def _level(constants, deviations, rest, initial, state):
+def _level(constants, deviations, rest, initial, terms, scratch, state):
     """Roll and pitch errors (rows C, D) that levelling by the mean specific force at rest makes.
 
-    ``roll = atan2(left, up)``, ``pitch = atan2(-forward, |(left, up)|)``; the accelerometers
-    have the offsets that they keep.
+    ``roll = atan2(left, up)``, ``pitch = atan2(-forward, |(left, up)|)``.
     """
+    for axis in range(3):
+        _mean_at_rest(axis, rest, constants, deviations, terms, scratch, state)
     for j in range(LANES):
-        forward = rest[0] + state[OFFSETS + j] + state[E + j]
-        left = rest[1] + state[OFFSETS + LANES + j] + state[F + j]
-        up = rest[2] + state[OFFSETS + 3 * LANES + j] + state[G + j]
-        forward += deviations[REST] * constants[REST * LANES + j]
-        left += deviations[REST + 1] * constants[(REST + 1) * LANES + j]
-        up += deviations[REST + 2] * constants[(REST + 2) * LANES + j]
+        forward, left, up = state[E + j], state[F + j], state[G + j]
         across = math.sqrt(left * left + up * up)
         state[C + j] += wrap(math.atan2(left, up) - initial[5])
         state[D + j] += wrap(math.atan2(-forward, across) - initial[6])
@@ -159,9 +176,8 @@ def start_block(
     levelled,
     signals,
     interval,
-    mix_to,
-    mix_from,
-    coefficients,
+    terms,
+    scratch,
     state,
 ):
     """State rows at sample 0, from the true state and the realization's constants."""
@@ -179,8 +195,7 @@ def start_block(
         state[C + j] = deviations[ROLL] * constants[ROLL * LANES + j]
         state[D + j] = deviations[PITCH] * constants[PITCH * LANES + j]
     if levelled:
-        _add_mixing_at_rest(rest, mix_to, mix_from, coefficients, state)
-        _level(constants, deviations, rest, initial, state)
+        _level(constants, deviations, rest, initial, terms, scratch, state)
     _start_attitude(initial, state)
 
 

@@ -202,7 +202,7 @@ def simulate_measured(
     with_given = given.shape[1] > 0
     difference = 1.0 if stamps else 0.0
     stamp_error = time_error * math.sqrt(0.5) if stamps else time_error
-    drawn_rows = constant_rows(len(terms.mix_to))
+    drawn_rows = constant_rows(len(terms.mix_deviation))
     random_state = np.empty(4 * LANES, np.uint32)
     normals = np.empty(12 * LANES, np.float32)
     constants = np.zeros(drawn_rows * LANES, np.float32)

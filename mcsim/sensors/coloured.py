@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.sensors.noise_processes import FLICKER_RATIO, flicker_times
+from mcsim.sensors.noise_processes import flicker_processes
 
 Array = NDArray[np.float64]
 
@@ -80,9 +80,8 @@ def processes_of(
     Parameters
     ----------
     bias_instability : float
-        Allan's B; flicker noise is approximated by Gauss-Markov processes of equal variance
-        ``B² ln(r) / π`` with correlation times in the ratio r, from half a sampling interval to
-        ten times ``duration``.
+        Allan's B; flicker noise is approximated by Gauss-Markov processes, see
+        ``flicker_processes``.
     random_walk : float
         Allan's K; from zero, with steps of ``K √dt``.
     drift, correlation_time : float
@@ -105,8 +104,8 @@ def processes_of(
             start.append(variance)
 
     if bias_instability > 0.0:
-        variance = bias_instability**2 * math.log(FLICKER_RATIO) / math.pi
-        add(FLICKER, flicker_times(interval, duration), variance)
+        times, variance = flicker_processes(interval, duration)
+        add(FLICKER, times, bias_instability**2 * variance)
     if drift > 0.0:
         add(DRIFT, np.array([correlation_time]), drift**2)
     if random_walk > 0.0:
@@ -134,6 +133,32 @@ def innovations_of(processes: Processes, white: float, count: int) -> Innovation
     return Innovations(deviations, gains, processes.decay)
 
 
+def with_mean(processes: Processes, white: float, samples: int) -> Array:
+    """Covariance (m + 1, m + 1) of the processes one step after a rest, and of the mean over it.
+
+    ``white`` is the deviation of one sample's white noise.  The sum of the samples is one more
+    state; the transition of two steps follows from that of one, and so on.
+    """
+    m = processes.count
+    step, noise = np.eye(m + 1), np.zeros((m + 1, m + 1))
+    step[:m, :m] = np.diag(processes.decay)
+    step[m, :m] = 1.0
+    noise[:m, :m] = np.diag(processes.step_variance)
+    noise[m, m] = white**2
+    covariance = np.zeros((m + 1, m + 1))
+    covariance[:m, :m] = processes.start
+    left = samples
+    while left:
+        if left & 1:
+            covariance = step @ covariance @ step.T + noise
+        noise = step @ noise @ step.T + noise
+        step = step @ step
+        left >>= 1
+    covariance[m] /= samples
+    covariance[:, m] /= samples
+    return covariance
+
+
 def after_calibration(processes: Processes, white: float, samples: int, method: str) -> Processes:
     """What is left of a channel's bias after ``samples`` samples at rest.
 
@@ -142,19 +167,19 @@ def after_calibration(processes: Processes, white: float, samples: int, method: 
     knows the processes.  What the estimate misses goes on as one more process that stays
     constant, with its correlation to the others.
     """
-    from mcsim.kernels.innovations import averaged, watched
+    from mcsim.kernels.innovations import watched
 
     m = processes.count
-    start = np.zeros((m + 1, m + 1))
-    start[:m, :m] = processes.start
     decay = np.append(processes.decay, 1.0)
     steps = np.append(processes.step_variance, 0.0)
     if method == "mean":
-        averaged(processes.decay, processes.step_variance, white, samples, start)
+        start = with_mean(processes, white, samples)
         # The run's bias is the processes less the mean.
         start[m, :m] *= -1.0
         start[:m, m] *= -1.0
     else:
+        start = np.zeros((m + 1, m + 1))
+        start[:m, :m] = processes.start
         known = white**2 + float(np.trace(processes.start)) + float(np.sum(steps) * samples)
         start[m, m] = _DIFFUSE**2 * known
         watched(decay, steps, white, samples, start)
@@ -166,26 +191,21 @@ def folded(weights: Array, innovations: Innovations) -> Array:
 
     A normal acts on its own sample and, through the processes, on all later ones.
     """
+    return folded_with_start(weights, innovations)[0]
+
+
+def folded_with_start(weights: Array, innovations: Innovations) -> tuple[Array, Array]:
+    """The same, and the weights (e, m) of the processes' states at the first sample."""
     from mcsim.kernels.innovations import fold
 
     result = np.empty(weights.shape)
-    later = np.empty(len(innovations.decay))
+    of_start = np.empty((len(weights), len(innovations.decay)))
     fold(
         np.ascontiguousarray(weights),
         innovations.deviations,
         innovations.gains,
         innovations.decay,
-        later,
+        of_start,
         result,
     )
-    return result
-
-
-def term_variances(weights: Array, processes: Processes) -> Mapping[str, Array]:
-    """Variance (e,) that each term alone makes of errors with these weights (e, n)."""
-    variances = {}
-    for term in processes.terms:
-        alone = processes.only(term)
-        normals = folded(weights, innovations_of(alone, 0.0, weights.shape[1]))
-        variances[term] = np.sum(normals**2, axis=1)
-    return variances
+    return result, of_start

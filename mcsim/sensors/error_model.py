@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors
 from mcsim.scenario.sensors import BiasCalibration, Sensors
 from mcsim.sensors.coloured import NO_PROCESSES, Processes, after_calibration, processes_of
+from mcsim.sensors.rest import spread_at_rest
 from mcsim.sensors.signal_errors import SignalErrors, signal_errors
 from mcsim.units import sample_deviation
 
@@ -32,13 +34,15 @@ class Mixing:
     """One coefficient drawn per realization: how much of channel ``source`` shows in ``target``.
 
     ``deviation`` is in units of the target's per unit of the source's; ``term`` its name in
-    budgets.
+    budgets.  A bias calibration at rest has taken away what ``calibrated`` of the source,
+    its true signal there, makes of the target.
     """
 
     target: int
     source: int
     deviation: float
     term: str
+    calibrated: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -46,17 +50,21 @@ class ChannelErrors:
     """Error parameters of the channels; arrays (c,) in SI units.
 
     ``elements`` names each channel's element.
-    ``white`` is the deviation of one sample's white noise.  Constant offsets: ``miscalibration``,
-    ``turn_on_bias`` and ``gravity_bias`` (what a g-sensitive gyroscope makes of a gravity that
-    no channel measures).  ``processes`` are the in-run noise.  ``ranges`` (infinite for none),
-    ``resolutions`` and ``spike_amplitudes`` (zero for none); ``spike_rates`` in Hz.
+    ``white`` is the deviation of one sample's white noise.  Constant offsets: ``miscalibration``
+    and ``turn_on_bias``.  ``processes`` are the in-run noise, from the first sample at rest on
+    where the attitude is levelled.  ``ranges`` (infinite for none), ``resolutions`` and
+    ``spike_amplitudes`` (zero for none); ``spike_rates`` in Hz.
+    ``interval`` is that of the samples (s).  ``at_rest`` are the true signals before the run,
+    ``calibration`` and ``levelling`` the numbers of samples that calibrate biases and whose mean
+    levels the attitude, zero for none.  After a bias calibration ``hidden_bias`` is the
+    deviation of what was calibrated away, which the sensor's output still holds, and
+    ``calibration_spread`` that of the samples that showed it.
     """
 
     elements: tuple[str, ...]
     white: Array
     miscalibration: Array
     turn_on_bias: Array
-    gravity_bias: Array
     processes: tuple[Processes, ...]
     mixing: tuple[Mixing, ...]
     ranges: Array
@@ -65,11 +73,21 @@ class ChannelErrors:
     spike_amplitudes: Array
     bandwidths: tuple[float, ...]
     time_jitter: float
+    interval: float
+    at_rest: Array
+    hidden_bias: Array
+    calibration_spread: Array
+    calibration: int = 0
+    levelling: int = 0
 
     @property
     def offsets(self) -> Array:
         """Standard deviation of all constant offsets together (c,)."""
-        return np.sqrt(self.miscalibration**2 + self.turn_on_bias**2 + self.gravity_bias**2)
+        return np.hypot(self.miscalibration, self.turn_on_bias)
+
+    def levels(self, channel: int) -> bool:
+        """Whether the mean of a channel at rest levels the attitude, where that is done."""
+        return self.elements[channel] == ACCELEROMETER
 
     def silent(self) -> ChannelErrors:
         """No errors at all, for the same channels."""
@@ -83,7 +101,6 @@ class ChannelErrors:
             white=self.white,
             miscalibration=nothing,
             turn_on_bias=nothing,
-            gravity_bias=nothing,
             processes=(NO_PROCESSES,) * len(self.white),
             mixing=(),
             ranges=np.full_like(self.white, np.inf),
@@ -92,6 +109,10 @@ class ChannelErrors:
             spike_amplitudes=nothing,
             bandwidths=self.bandwidths,
             time_jitter=0.0,
+            interval=self.interval,
+            at_rest=self.at_rest,
+            hidden_bias=nothing,
+            calibration_spread=nothing,
         )
 
 
@@ -99,24 +120,27 @@ def channel_errors(
     sensors: Sensors,
     channels: Sequence[Channel],
     duration: float,
-    gravity: float = 0.0,
+    at_rest: Array,
     further: Sequence[Channel] = (),
+    levelling: float = 0.0,
 ) -> ChannelErrors:
     """The error parameters of the channels of a case.
 
-    ``duration`` (s) is that of the run, which flicker noise has to span; ``gravity`` (m/s^2) is
-    the constant specific force that no channel measures.  ``further`` channels are not measured
-    but show in those that are, by misalignment and g-sensitivity.
+    ``duration`` (s) is that of the run.  ``further`` channels are not measured but show in those
+    that are, by misalignment and g-sensitivity.  ``at_rest`` (s,) are the true signals of all
+    channels, measured ones first, of the vehicle that stands before the run.  Before it the
+    attitude is levelled for ``levelling`` (s), and before that biases are calibrated.
     """
     return element_errors(
         {ACCELEROMETER: sensors.accelerometer, GYROSCOPE: sensors.gyroscope},
         sensors.rate,
         channels,
         duration,
-        gravity,
+        at_rest,
         further,
         sensors.time_jitter,
         sensors.calibration,
+        levelling,
     )
 
 
@@ -125,13 +149,16 @@ def element_errors(
     rate: float,
     channels: Sequence[Channel],
     duration: float,
-    gravity: float = 0.0,
+    at_rest: Array | None = None,
     further: Sequence[Channel] = (),
     time_jitter: float = 0.0,
     calibration: BiasCalibration | None = None,
+    levelling: float = 0.0,
 ) -> ChannelErrors:
     """The same from the elements' blocks and the sampling ``rate`` (Hz)."""
     elements = {name: signal_errors(block) for name, block in blocks.items()}
+    everything = (*channels, *further)
+    at_rest = np.zeros(len(everything)) if at_rest is None else at_rest
 
     def of(name: str) -> Array:
         return np.array([getattr(elements[c.element], name)[c.axis] for c in channels])
@@ -140,26 +167,32 @@ def element_errors(
         return np.array([_axis(getattr(blocks[c.element], name), c.axis) for c in channels])
 
     white = np.array([sample_deviation(density, rate) for density in of("noise_density")])
-    processes = tuple(
-        _processes(elements[c.element], c.axis, rate, calibration, float(deviation), duration)
-        for c, deviation in zip(channels, white, strict=True)
-    )
     calibrated = calibration is not None
+    at_work = [
+        _processes(elements[c.element], c.axis, rate, calibration, float(deviation),
+                   duration + levelling)
+        for c, deviation in zip(channels, white, strict=True)
+    ]  # fmt: skip
+    nothing = 0.0 * white
     return ChannelErrors(
         elements=tuple(c.element for c in channels),
         white=white,
         miscalibration=constant("miscalibration"),
-        turn_on_bias=0.0 * white if calibrated else constant("turn_on_bias"),
-        # At rest gravity is there as well: calibration takes its effect away.
-        gravity_bias=0.0 * white if calibrated else gravity * _sensitivities(elements, channels),
-        processes=processes,
-        mixing=tuple(_mixing(elements, channels, (*channels, *further))),
+        turn_on_bias=nothing if calibrated else constant("turn_on_bias"),
+        processes=tuple(processes for processes, _ in at_work),
+        mixing=tuple(_mixing(elements, channels, everything, at_rest if calibrated else None)),
         ranges=of("range"),
         resolutions=of("resolution"),
         spike_rates=np.array([elements[c.element].spike_rate for c in channels]),
         spike_amplitudes=np.array([elements[c.element].spike_amplitude for c in channels]),
         bandwidths=tuple(map(float, of("bandwidth"))),
         time_jitter=time_jitter,
+        interval=1.0 / rate,
+        at_rest=at_rest[: len(channels)],
+        hidden_bias=constant("turn_on_bias") if calibrated else nothing,
+        calibration_spread=np.array([spread for _, spread in at_work]),
+        calibration=_samples(calibration.duration, rate) if calibration is not None else 0,
+        levelling=_samples(levelling, rate) if levelling > 0.0 else 0,
     )
 
 
@@ -176,7 +209,8 @@ def _processes(
     calibration: BiasCalibration | None,
     white: float,
     duration: float,
-) -> Processes:
+) -> tuple[Processes, float]:
+    """A channel's in-run noise after its calibration, and the samples' spread while it lasted."""
     at_rest = calibration.duration if calibration is not None else 0.0
     processes = processes_of(
         float(element.bias_instability[axis]),
@@ -187,26 +221,36 @@ def _processes(
         duration + at_rest,
     )
     if calibration is None:
-        return processes
-    samples = max(1, round(calibration.duration * rate))
-    if white == 0.0 and processes.count == 0:
-        return NO_PROCESSES  # nothing hides the bias
-    return after_calibration(processes, white, samples, calibration.method)
+        return processes, 0.0
+    samples = _samples(calibration.duration, rate)
+    spread = spread_at_rest(processes, white, samples)
+    noise = noise_at_rest(white, element.spike_rate / rate, element.spike_amplitude)
+    if noise == 0.0 and processes.count == 0:
+        return NO_PROCESSES, 0.0  # nothing hides the bias
+    return after_calibration(processes, noise, samples, calibration.method), spread
 
 
-def _sensitivities(elements: dict[str, SignalErrors], channels: Sequence[Channel]) -> Array:
-    return np.array(
-        [
-            elements[c.element].g_sensitivity[c.axis] if c.element == GYROSCOPE else 0.0
-            for c in channels
-        ]
-    )
+def noise_at_rest(white: float, spikes_per_sample: float, amplitude: float) -> float:
+    """Deviation of all that a sensor adds anew to every sample: white noise and spikes."""
+    spikes = min(spikes_per_sample, 1.0) * amplitude**2
+    return white if spikes == 0.0 else math.sqrt(white**2 + spikes)
+
+
+def _samples(duration: float, rate: float) -> int:
+    return max(1, round(duration * rate))
 
 
 def _mixing(
-    elements: dict[str, SignalErrors], channels: Sequence[Channel], sources: Sequence[Channel]
+    elements: dict[str, SignalErrors],
+    channels: Sequence[Channel],
+    sources: Sequence[Channel],
+    calibrated: Array | None,
 ) -> list[Mixing]:
-    """Scale factors, angles between the axes of an element, g-sensitivity of gyroscopes."""
+    """Scale factors, angles between the axes of an element, g-sensitivity of gyroscopes.
+
+    What they make of the true signals at rest stands in the output of a sensor that is
+    ``calibrated`` there as a bias does, and goes with it.
+    """
     entries = []
     for i, target in enumerate(channels):
         own = elements[target.element]
@@ -221,7 +265,8 @@ def _mixing(
             else:
                 continue
             if entry.deviation > 0.0:
-                entries.append(entry)
+                known = 0.0 if calibrated is None else float(calibrated[k])
+                entries.append(replace(entry, calibrated=known))
     return entries
 
 
@@ -247,13 +292,19 @@ def scaled(errors: ChannelErrors, factors: Array) -> ChannelErrors:
         white=factor * errors.white,
         miscalibration=factor * errors.miscalibration,
         turn_on_bias=factor * errors.turn_on_bias,
-        gravity_bias=factor * errors.gravity_bias,
         processes=tuple(p.scaled(float(f)) for p, f in zip(errors.processes, factor, strict=True)),
         mixing=tuple(
-            replace(m, deviation=m.deviation * float(factors[m.target] / factors[m.source]))
+            replace(
+                m,
+                deviation=m.deviation * float(factors[m.target] / factors[m.source]),
+                calibrated=m.calibrated * float(factors[m.source]),
+            )
             for m in errors.mixing
         ),
         ranges=factor * errors.ranges,
         resolutions=factor * errors.resolutions,
         spike_amplitudes=factor * errors.spike_amplitudes,
+        at_rest=factor * errors.at_rest,
+        hidden_bias=factor * errors.hidden_bias,
+        calibration_spread=factor * errors.calibration_spread,
     )

@@ -12,8 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError
-from mcsim.sensors.coloured import Innovations, folded, innovations_of, term_variances
-from mcsim.sensors.error_model import ChannelErrors, saturates
+from mcsim.sensors.coloured import Innovations, Processes, innovations_of
+from mcsim.sensors.error_model import ChannelErrors, noise_at_rest, saturates
+from mcsim.sensors.rest import (
+    MeanAtRest,
+    after_rest,
+    rest_and_run,
+    rounding_variances,
+    spread_at_rest,
+    term_variances,
+)
 
 if TYPE_CHECKING:
     from mcsim.kernels.measurement import ErrorTerms
@@ -40,16 +48,18 @@ class AtRest:
 @dataclass(frozen=True)
 class NormalWeights:
     """Linear errors per unit normal: of each sample (e, n + 1, c), of the constant offsets
-    (e, c), of the mixing coefficients (e, m)."""
+    (e, c), of the mixing coefficients (e, m), of the means that level the attitude (e, c)."""
 
     samples: Array
     offsets: Array
     mixing: Array
+    levelling: Array
 
     @property
     def covariance(self) -> Array:
         """Covariance (e, e) of the linear errors that the sensors' normals make."""
-        parts = (self.samples.reshape(len(self.samples), -1), self.offsets, self.mixing)
+        samples = self.samples.reshape(len(self.samples), -1)
+        parts = (samples, self.offsets, self.mixing, self.levelling)
         return np.asarray(sum(part @ part.T for part in parts), float)
 
 
@@ -58,7 +68,8 @@ class Measurement:
     """What a kernel needs to measure with errors; see ``mcsim.kernels.measurement``.
 
     ``white`` and ``offsets`` (c,) serve the fast paths, ``terms`` the other ones; these are
-    empty where white noise and offsets are all there is.
+    empty where white noise and offsets are all there is.  ``means`` are those at the rest that
+    levels the attitude, ``first`` the row of ``signals`` that is the first sample after it.
     """
 
     errors: ChannelErrors
@@ -68,20 +79,28 @@ class Measurement:
     mix_from: NDArray[np.int64]
     mix_deviation: Array
     innovations: tuple[Innovations, ...]
+    means: tuple[MeanAtRest, ...]
     jitter: Array
     spike_thresholds: NDArray[np.uint32]
     spike_amplitudes: Array
     ranges: Array
     resolutions: Array
+    first: int = 0
 
     @classmethod
     def of(
-        cls, errors: ChannelErrors, signals: Array, interval: float, count: int | None = None
+        cls,
+        errors: ChannelErrors,
+        signals: Array,
+        interval: float,
+        count: int | None = None,
+        first: int = 0,
     ) -> Measurement:
         """Errors of channels that measure ``signals`` (n + 1, c).
 
         Further columns of ``signals`` are not measured but may show in the others.  Where
-        signals repeat, ``count`` is the number of samples that are measured in all.
+        signals repeat, ``count`` is the number of samples that are measured in all.  Rows before
+        the ``first`` are never read.
 
         Raises
         ------
@@ -106,6 +125,7 @@ class Measurement:
         spiky = bool(np.any(probability * errors.spike_amplitudes))
         coloured = any(p.count for p in errors.processes)
         plain = not (errors.mixing or coloured or digital or spiky or errors.time_jitter > 0.0)
+        levelled = [_levelled(errors, k) for k in range(c)]
         return cls(
             errors=errors,
             white=errors.white,
@@ -116,10 +136,11 @@ class Measurement:
             innovations=()
             if plain
             else tuple(
-                innovations_of(p, float(white), count)
-                for p, white in zip(errors.processes, errors.white, strict=True)
+                innovations_of(p, float(white), count - first)
+                for (p, _), white in zip(levelled, errors.white, strict=True)
             ),
-            jitter=np.gradient(own, axis=0) * (errors.time_jitter / interval)
+            means=tuple(mean for _, mean in levelled),
+            jitter=np.gradient(own[first:], axis=0) * (errors.time_jitter / interval)
             if errors.time_jitter > 0.0
             else np.zeros((0, c)),
             spike_thresholds=np.round(probability * 2.0**31).astype(np.uint32)
@@ -128,6 +149,7 @@ class Measurement:
             spike_amplitudes=errors.spike_amplitudes if spiky else np.zeros(0),
             ranges=errors.ranges if digital else np.zeros(0),
             resolutions=errors.resolutions if digital else np.zeros(0),
+            first=first,
         )
 
     @classmethod
@@ -143,6 +165,7 @@ class Measurement:
             whole,
             empty,
             (),
+            (MeanAtRest(0.0, empty, 0.0),) * c,
             np.zeros((0, c)),
             np.zeros(0, np.uint32),
             empty,
@@ -160,27 +183,46 @@ class Measurement:
             return no_terms(c)
         most = max((len(i.decay) for i in self.innovations), default=0)
         most = -(-most // 4) * 4  # the kernels take processes in fours
-        n = len(self.innovations[0].deviations)
+        n = len(self.innovations[0].deviations) + self.first
         innovation, gains = np.zeros((n, c)), np.zeros((n, c, most))
-        decay = np.zeros((c, most))
-        for k, own in enumerate(self.innovations):
+        decay, start = np.zeros((c, most)), np.zeros((c, most))
+        for k, (own, mean) in enumerate(zip(self.innovations, self.means, strict=True)):
             count = len(own.decay)
-            innovation[:, k] = own.deviations
-            gains[:, k, :count] = own.gains
+            innovation[self.first :, k] = own.deviations
+            gains[self.first :, k, :count] = own.gains
             decay[k, :count] = own.decay
+            start[k, :count] = mean.gains
+        errors = self.errors
+        nothing, extra = np.zeros(0), np.zeros(0)
+        averaged = len(self.ranges) > 0 and bool(errors.calibration or errors.levelling)
+        if averaged:
+            extra = np.concatenate([errors.hidden_bias, np.ones(2 * c)])
         return ErrorTerms(
             self.mix_to,
             self.mix_from,
-            self.mix_deviation,
+            np.array([m.calibrated for m in errors.mixing], float),
+            np.append(self.mix_deviation, extra),
             innovation,
             gains,
             decay,
-            self.jitter,
+            start,
+            np.concatenate([np.zeros((self.first, c)), self.jitter])
+            if len(self.jitter)
+            else self.jitter,
             self.spike_thresholds,
             self.spike_amplitudes,
             self.ranges,
             self.resolutions,
+            errors.at_rest if averaged else nothing,
+            errors.calibration_spread if averaged else nothing,
+            np.array([mean.spread for mean in self.means]) if averaged else nothing,
+            np.array([errors.calibration, errors.levelling], float) if averaged else nothing,
         )
+
+    @property
+    def coefficients(self) -> int:
+        """Number of coefficients that the kernels draw once per realization."""
+        return len(self.terms.mix_deviation)
 
     def largest(self, signals: Array, channel: int) -> float:
         """A bound of a channel's values that practically no realization exceeds."""
@@ -196,22 +238,31 @@ class Measurement:
         Offsets and mixing act also ``at_rest`` before the run, where the case measures there.
         """
         samples = weights * self.white
+        e, c = len(weights), len(self.white)
+        rest = np.zeros((e, c)) if at_rest is None else at_rest.weights
+        levelling = rest * [mean.deviation for mean in self.means]
         if self.innovations:
-            for k, own in enumerate(self.innovations):
-                samples[:, :, k] = folded(weights[:, :, k], own)
+            samples = np.zeros_like(weights)
+            for k, (own, mean) in enumerate(zip(self.innovations, self.means, strict=True)):
+                normals, levelling[:, k] = rest_and_run(
+                    weights[:, self.first :, k], rest[:, k], own, mean
+                )
+                samples[:, self.first :, k] = normals
         return NormalWeights(
             samples=samples,
             offsets=_of_offsets(weights, at_rest) * self.offsets,
             mixing=self._mixing_weights(weights, signals, at_rest),
+            levelling=levelling,
         )
 
     def _mixing_weights(self, weights: Array, signals: Array, at_rest: AtRest | None) -> Array:
         """Linear errors (e, m) per unit normal of each mixing coefficient."""
         columns = []
         for m in self.errors.mixing:
-            column = weights[:, :, m.target] @ signals[:, m.source]
+            column = weights[:, :, m.target] @ (signals[:, m.source] - m.calibrated)
             if at_rest is not None:
-                column = column + at_rest.weights[:, m.target] * at_rest.signals[m.source]
+                still = at_rest.signals[m.source] - m.calibrated
+                column = column + at_rest.weights[:, m.target] * still
             columns.append(column * m.deviation)
         return np.stack(columns, axis=1) if columns else np.zeros((len(weights), 0))
 
@@ -225,6 +276,7 @@ class Measurement:
         errors = self.errors
         of_white = np.sum((weights * self.white) ** 2, axis=1)
         of_offset = _of_offsets(weights, at_rest) ** 2
+        rest = np.zeros_like(of_offset) if at_rest is None else at_rest.weights
         found: dict[str, Array] = {}
 
         def add(source: str, variance: Array) -> None:
@@ -235,16 +287,25 @@ class Measurement:
             for source, deviation in (
                 ("miscalibration", errors.miscalibration),
                 ("turn-on bias", errors.turn_on_bias),
-                ("g-sensitivity", errors.gravity_bias),
             ):
                 add(f"{element} {source}", of_offset[:, k] * deviation[k] ** 2)
-            for term, variance in term_variances(weights[:, :, k], errors.processes[k]).items():
+            own = weights[:, self.first :, k], rest[:, k], errors.processes[k]
+            levelled = errors.levelling, errors.levels(k)
+            for term, variance in term_variances(*own, *levelled).items():
                 add(f"{element} {term}", variance)
             if not (errors.resolutions[k] or len(self.spike_thresholds)):
                 continue
             each = np.sum(weights[:, :, k] ** 2, axis=1)
             # A rounding error is uniform over a step, where the noise is no smaller.
-            add(f"{element} quantisation", each * errors.resolutions[k] ** 2 / 12.0)
+            resolution = float(errors.resolutions[k])
+            rounding = each * resolution**2 / 12.0
+            lasting, _ = rounding_variances(resolution, self.means[k].spread)
+            rounding = rounding + rest[:, k] ** 2 * lasting
+            if errors.calibration:
+                spread = float(errors.calibration_spread[k])
+                _, averaging = rounding_variances(resolution, spread)
+                rounding = rounding + of_offset[:, k] * averaging / errors.calibration
+            add(f"{element} quantisation", rounding)
             if len(self.spike_thresholds):
                 probability = float(self.spike_thresholds[k]) * 2.0**-31
                 add(f"{element} spikes", each * probability * errors.spike_amplitudes[k] ** 2)
@@ -252,9 +313,23 @@ class Measurement:
         for column, entry in enumerate(errors.mixing):
             add(entry.term, mixed[:, column] ** 2)
         if len(self.jitter):
-            common = np.einsum("enc,nc->en", weights, self.jitter)
+            common = np.einsum("enc,nc->en", weights[:, self.first :], self.jitter)
             add("sample-time jitter", np.sum(common**2, axis=1))
         return found
+
+    def levelling_noise(self, at_rest: AtRest) -> Array:
+        """Variance (e,) by what changes from sample to sample while the attitude is levelled."""
+        errors = self.errors
+        if not errors.levelling:
+            return np.zeros(len(at_rest.weights))
+        variances = np.array(
+            [
+                _noise_at_rest(errors, k) ** 2
+                + rounding_variances(float(errors.resolutions[k]), mean.spread)[1]
+                for k, mean in enumerate(self.means)
+            ]
+        )
+        return np.asarray(at_rest.weights**2 @ variances / errors.levelling, float)
 
 
 def no_terms(channels: int) -> ErrorTerms:
@@ -267,15 +342,36 @@ def no_terms(channels: int) -> ErrorTerms:
         whole,
         whole,
         empty,
+        empty,
         nothing,
         np.zeros((0, channels, 0)),
+        np.zeros((channels, 0)),
         np.zeros((channels, 0)),
         nothing,
         np.zeros(0, np.uint32),
         empty,
         empty,
         empty,
+        empty,
+        empty,
+        empty,
+        empty,
     )
+
+
+def _levelled(errors: ChannelErrors, k: int) -> tuple[Processes, MeanAtRest]:
+    """A channel's in-run noise at the first sample, and the mean that levels the attitude."""
+    processes = errors.processes[k]
+    if not errors.levelling:
+        return processes, MeanAtRest(0.0, np.zeros(processes.count), 0.0)
+    spread = spread_at_rest(processes, float(errors.white[k]), errors.levelling)
+    noise = _noise_at_rest(errors, k)
+    return after_rest(processes, noise, errors.levelling, errors.levels(k), spread)
+
+
+def _noise_at_rest(errors: ChannelErrors, k: int) -> float:
+    spikes = float(errors.spike_rates[k]) * errors.interval
+    return noise_at_rest(float(errors.white[k]), spikes, float(errors.spike_amplitudes[k]))
 
 
 def _of_offsets(weights: Array, at_rest: AtRest | None) -> Array:
@@ -287,12 +383,13 @@ def _of_offsets(weights: Array, at_rest: AtRest | None) -> Array:
 def _spread(errors: ChannelErrors, signals: Array, count: int) -> Array:
     """Standard deviation (c,) of all errors of one of ``count`` samples, with some room."""
     largest = np.max(np.abs(signals), axis=0)
-    variance = errors.white**2 + errors.offsets**2
+    variance = errors.white**2 + errors.offsets**2 + errors.hidden_bias**2
     for k, p in enumerate(errors.processes):
         last = np.trace(p.start) + count * float(np.sum(p.step_variance[p.decay >= 1.0]))
         variance[k] += last
     for entry in errors.mixing:
-        variance[entry.target] += (entry.deviation * largest[entry.source]) ** 2
+        shown = max(largest[entry.source], abs(entry.calibrated))
+        variance[entry.target] += (entry.deviation * shown) ** 2
     if errors.time_jitter > 0.0 and len(signals) > 1:
         steps = np.max(np.abs(np.diff(signals[:, : len(variance)], axis=0)), axis=0)
         variance += steps**2

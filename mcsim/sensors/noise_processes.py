@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Ratio of neighbouring correlation times of flicker noise; the spectrum of the sum ripples
-#: by ±0.3 % about 1/f.
-FLICKER_RATIO = 4.0
-#: Shortest correlation time in sample intervals, longest in lengths of the log: what lies
-#: beyond hardly changes the Allan deviation in between.
-_SHORTEST, _LONGEST = 0.5, 10.0
+#: Largest ratio of neighbouring correlation times of flicker noise; the spectrum of the sum
+#: ripples by ±0.3 % about 1/f.
+_FLICKER_RATIO = 4.0
+#: Shortest correlation time in sample intervals, longest in lengths of the log.  The Allan
+#: deviation is then within 1 % of 0.664 B from five samples to a tenth of the log.
+_SHORTEST, _LONGEST = 0.3, 10.0
 #: The low-pass does nothing that samples could show when its cut-off is above this share of
 #: the rate.
 _HIGHEST_CUT_OFF = 0.45
@@ -56,17 +56,13 @@ class GaussMarkov:
 
 
 class Flicker:
-    """Noise of two-sided density ``(B²/2π)/f``: Gauss-Markov processes of equal variance.
-
-    Their correlation times ``T0 r^k`` reach from below the sample interval to beyond the log;
-    each has the variance ``B² ln(r) / π``.
-    """
+    """Noise of two-sided density ``(B²/2π)/f``: see ``flicker_processes``."""
 
     def __init__(
         self, instability: Array, step: float, duration: float, random: np.random.Generator
     ) -> None:
-        times = flicker_times(step, duration)
-        deviation = instability * math.sqrt(math.log(FLICKER_RATIO) / math.pi)
+        times, variance = flicker_processes(step, duration)
+        deviation = instability * math.sqrt(variance)
         self._processes = [
             GaussMarkov(deviation, np.full(len(instability), time), step, stream)
             for time, stream in zip(times, random.spawn(len(times)), strict=True)
@@ -80,12 +76,24 @@ class Flicker:
         return total
 
 
-def flicker_times(step: float, duration: float) -> Array:
-    """Correlation times (s) of the processes that make up flicker noise over ``duration``."""
+def flicker_processes(step: float, duration: float) -> tuple[Array, float]:
+    """Gauss-Markov processes that make up flicker noise of B = 1 over ``duration``.
+
+    A continuum of correlation times of variance ``d(ln T) / π`` has the density of flicker
+    noise between its ends.  It is cut into equal pieces of ``ln T``, so that its variance, and
+    with it every error, goes smoothly with the rate and the length of the run.
+
+    Returns
+    -------
+    ndarray (m,), float
+        Correlation times (s), and the variance of each process.
+    """
     shortest, longest = _SHORTEST * step, _LONGEST * max(duration, step)
-    count = math.ceil(math.log(longest / shortest) / math.log(FLICKER_RATIO)) + 1
-    times: Array = shortest * FLICKER_RATIO ** np.arange(count, dtype=float)
-    return times
+    width = math.log(longest / shortest)
+    count = math.ceil(width / math.log(_FLICKER_RATIO))
+    piece = width / count
+    times: Array = shortest * np.exp((np.arange(count) + 0.5) * piece)
+    return times, piece / math.pi
 
 
 class RandomWalk:

@@ -45,15 +45,21 @@ class Lean:
         return self.polynomial(self._within(t))
 
     def rate(self, t: Array, width: float = 0.0) -> Array:
-        """Its derivative (rad/s), but the mean over a cell of ``width`` that holds a kink."""
+        """Its derivative (rad/s), or the mean over a cell of ``width`` (s) about each time.
+
+        Means add up to the angle's own change, however it bends inside a cell: a momentary
+        rate beside a kink would leave an error of the angle that stays.
+        """
+        if width > 0.0:
+            half = 0.5 * width
+            return (self.angle(t + half) - self.angle(t - half)) / width
         first, last = self.polynomial.x[[0, -1]]
         rate = np.where((t >= first) & (t <= last), self.polynomial(self._within(t), 1), 0.0)
-        half = max(0.5 * width, _BESIDE)
         for kink in self.kinks:
-            near = np.abs(t - kink) < half
+            near = np.abs(t - kink) < _BESIDE
             if np.any(near):
-                sides = self.angle(t[near] + half) - self.angle(t[near] - half)
-                rate[near] = sides / (2.0 * half)
+                sides = self.angle(t[near] + _BESIDE) - self.angle(t[near] - _BESIDE)
+                rate[near] = sides / (2.0 * _BESIDE)
         return rate
 
     def _within(self, t: Array) -> Array:

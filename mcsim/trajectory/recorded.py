@@ -39,6 +39,8 @@ _KIND_OF = {
 _FEWEST_ROWS = 8
 #: No time (Unix time in s), position or angle is larger (SI).
 _LARGEST_CELL = 1e11
+#: What rounding makes of a difference of time stamps, as a share of the largest one.
+_STAMP_ROUNDING = 4 * float(np.finfo(float).eps)
 #: Points at which the course is looked at, at most.
 _MOST_COURSES = 200_000
 #: Fixes that repeat the last position are dropped, but one is kept this often (s).
@@ -161,9 +163,11 @@ def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
         path, shape.columns, shape.angles == "compass", shape.pitch_positive == "nose_up"
     )
     t = record.time - record.time[0]
-    keep = t >= shape.start
+    # Differences of stamps carry the rounding of the stamps: a row on an end is inside.
+    rounding = _STAMP_ROUNDING * max(1.0, float(np.max(np.abs(record.time))))
+    keep = t >= shape.start - rounding
     if shape.duration is not None:
-        keep &= t <= shape.start + shape.duration
+        keep &= t <= shape.start + shape.duration + rounding
     if np.count_nonzero(keep) < _FEWEST_ROWS:
         raise InputError(
             f"{path}: {np.count_nonzero(keep)} rows between `start` and the end of `duration`; "

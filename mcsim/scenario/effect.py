@@ -1,0 +1,146 @@
+"""Keys that a scenario writes and that change nothing: each is told, with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mcsim.scenario.document import get_path
+from mcsim.scenario.paths import split_path
+from mcsim.scenario.planar import PlanarScenario
+from mcsim.scenario.strapdown import StrapdownScenario
+from mcsim.scenario.tracks import Recorded
+
+if TYPE_CHECKING:
+    from mcsim.scenario.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A key that has no effect where ``idle`` holds, unless what decides it is swept.
+
+    ``deciding`` are the paths, or the beginnings of paths, that ``idle`` looks at.
+    """
+
+    path: str
+    deciding: tuple[str, ...]
+    idle: Callable[[Any], bool]
+    reason: str
+
+
+def _planar(model: Any) -> bool:
+    return isinstance(model, PlanarScenario)
+
+
+def _takes_for_level(model: Any) -> bool:
+    return isinstance(model, StrapdownScenario) and model.reconstruction.algorithm == "planar"
+
+
+def _has_no_angles(model: Any) -> bool:
+    track = getattr(model, "trajectory", None)
+    if not isinstance(track, Recorded):
+        return False
+    return track.columns.course is None and track.columns.heading is None
+
+
+def _leans(axis: str) -> tuple[Rule, ...]:
+    def response(model: Any) -> Any:
+        return getattr(model.body, axis) if isinstance(model, StrapdownScenario) else None
+
+    def stiff(model: Any) -> bool:
+        return response(model) is not None and response(model).gradient == 0.0
+
+    def at_once(model: Any) -> bool:
+        return response(model) is not None and response(model).natural_frequency == 0.0
+
+    path = f"body.{axis}"
+    deciding = (f"{path}.gradient", f"{path}.natural_frequency")
+    no_lean = f"`{path}.gradient` is zero: the body does not lean"
+    return (
+        Rule(f"{path}.natural_frequency", deciding, stiff, no_lean),
+        Rule(f"{path}.damping", deciding, stiff, no_lean),
+        Rule(
+            f"{path}.damping",
+            deciding,
+            lambda model: at_once(model) and not stiff(model),
+            f"`{path}.natural_frequency` is zero: the body follows at once",
+        ),
+    )
+
+
+RULES: tuple[Rule, ...] = (
+    Rule(
+        "monte_carlo.max_realizations",
+        ("monte_carlo.precision",),
+        lambda model: model.monte_carlo.precision is None,
+        "it ends a run to a `precision`, which is not asked for",
+    ),
+    Rule(
+        "monte_carlo.precision",
+        ("monte_carlo.estimator",),
+        lambda model: model.monte_carlo.estimator == "linear",
+        "a linear answer has no intervals to narrow",
+    ),
+    Rule(
+        "initial.levelling",
+        ("reconstruction.algorithm",),
+        _takes_for_level,
+        "the planar algorithm takes the vehicle for level",
+    ),
+    Rule(
+        "trajectory.side_slip_profile",
+        ("trajectory.side_slip", "trajectory.shape"),
+        lambda model: getattr(getattr(model, "trajectory", None), "side_slip", None) == 0.0,
+        "`trajectory.side_slip` is zero",
+    ),
+    Rule(
+        "trajectory.pitch_positive",
+        ("trajectory.columns",),
+        lambda model: _planar(model) or not getattr(model, "records_attitude", True),
+        "no recorded pitch is used",
+    ),
+    Rule("trajectory.columns.roll", (), _planar, "the planar case has no attitude"),
+    Rule("trajectory.columns.pitch", (), _planar, "the planar case has no attitude"),
+    Rule("trajectory.angles", ("trajectory.columns",), _has_no_angles, "no recorded angle is used"),
+    Rule(
+        "sensors.gyroscope.misalignment",
+        (),
+        _planar,
+        "a level vehicle turns about one axis alone",
+    ),
+    *_leans("roll"),
+    *_leans("pitch"),
+)
+
+
+def without_effect(scenario: Scenario) -> list[str]:
+    """What the scenario writes without effect, one sentence each, with file and line."""
+    return list(_sentences(scenario))
+
+
+def _sentences(scenario: Scenario) -> Iterator[str]:
+    swept = [axis.path for axis in scenario.axes]
+    document = scenario.document
+    for rule in RULES:
+        keys = split_path(rule.path)
+        written = get_path(document.tree, keys) is not None or rule.path in swept
+        decided = any(path.startswith(rule.deciding) for path in swept if path != rule.path)
+        if not written or (rule.deciding and decided):
+            continue
+        if rule.idle(scenario.base) and not _is_default(scenario.base, rule.path):
+            yield f"{document.place(keys)}: {rule.path} has no effect: {rule.reason}"
+    if scenario.base.monte_carlo.common_random_numbers and not scenario.axes:
+        path = "monte_carlo.common_random_numbers"
+        place = document.place(split_path(path))
+        yield f"{place}: {path} has no effect: nothing is swept"
+
+
+def _is_default(model: Any, path: str) -> bool:
+    """Whether a key is written as it would be read without it, as resolved scenarios do."""
+    *blocks, name = path.split(".")
+    for block in blocks:
+        model = getattr(model, block, None)
+    if model is None:
+        return True
+    return bool(getattr(model, name) == type(model).model_fields[name].default)
