@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError, UnitError
-from mcsim.logs.csv_file import CsvFile, Title, open_csv
+from mcsim.logs.csv_file import CsvFile, open_csv
+from mcsim.logs.titles import Title
 from mcsim.units import KINDS, Kind, factor
 
 Array = NDArray[np.float64]
