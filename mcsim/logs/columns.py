@@ -77,6 +77,34 @@ def said(file: CsvFile, found: Sequence[Column]) -> str:
     return f"columns: {used}; not used: {', '.join(others[:_NAMED])}{more}"
 
 
+def time_column(file: CsvFile) -> int | None:
+    """Place of the time stamps: numbers before text, plain names first, then those with a unit.
+
+    Raises
+    ------
+    InputError
+        Several columns are equally likely.
+    """
+    meanings = _meanings(file)
+    places = [place for place, meaning in meanings.items() if meaning.name == TIME]
+    titles = file.titles or ()
+    numbers = [place for place in places if place not in file.layout.texts] or places
+    plain = [place for place in numbers if meanings[place].rank == Rank.SENSOR] or numbers
+    places = [place for place in plain if is_unit(titles[place].unit)] or plain
+    if len(places) > 1:
+        raise _twice(file, meanings, TIME, (places[0], places[1]))
+    return places[0] if places else None
+
+
+def _meanings(file: CsvFile) -> dict[int, Meaning]:
+    """What the titles of columns that hold something say."""
+    return {
+        place: meaning
+        for place, title in enumerate(file.titles or ())
+        if place not in file.layout.empty and (meaning := meaning_of(title)) is not None
+    }
+
+
 def _column(file: CsvFile, place: int, name: str, given: str | None) -> Column:
     kind = TIME if name == TIME else CHANNELS[name][0]
     own = file.titles[place].unit if file.titles else ""
@@ -105,12 +133,9 @@ def _recognised(file: CsvFile) -> dict[int, str]:
             "--columns time,accel_x,accel_y,accel_z (- skips a column), and give --units "
             "(accelerometer=m/s^2,gyroscope=deg/s,time=s)"
         )
-    meanings = {
-        place: meaning
-        for place, title in enumerate(file.titles)
-        if place not in file.layout.empty and (meaning := meaning_of(title)) is not None
-    }
-    named: dict[int, str] = _time(file, meanings)
+    meanings = _meanings(file)
+    time = time_column(file)
+    named: dict[int, str] = {} if time is None else {time: TIME}
     for element in SHORT:
         named |= _of_element(file, meanings, element)
     return dict(sorted(named.items()))
@@ -136,18 +161,6 @@ def _of_element(file: CsvFile, meanings: Mapping[int, Meaning], element: str) ->
     return {place: name for name, place in chosen.items()}
 
 
-def _time(file: CsvFile, meanings: Mapping[int, Meaning]) -> dict[int, str]:
-    """The column of time stamps: numbers before text, plain names first, then those with a unit."""
-    places = [place for place, meaning in meanings.items() if meaning.name == TIME]
-    titles = file.titles or ()
-    numbers = [place for place in places if place not in file.layout.texts] or places
-    plain = [place for place in numbers if meanings[place].rank == Rank.SENSOR] or numbers
-    places = [place for place in plain if is_unit(titles[place].unit)] or plain
-    if len(places) > 1:
-        raise _twice(file, meanings, TIME, (places[0], places[1]))
-    return dict.fromkeys(places, TIME)
-
-
 def _twice(
     file: CsvFile, meanings: Mapping[int, Meaning], name: str, places: tuple[int, int]
 ) -> InputError:
@@ -157,7 +170,7 @@ def _twice(
         if meaning.rank < Rank.VIRTUAL:
             first.setdefault(meaning.name, place)
     names = [(name_, first[name_]) for name_ in (TIME, *CHANNELS) if name_ in first]
-    choice = ",".join(f"{name_}={_written(file, place)}" for name_, place in names)
+    choice = ",".join(f"{name_}={written_column(file, place)}" for name_, place in names)
     one, other = (file.title(place) for place in places)
     return InputError(
         f'{file.path}: two columns are {name}: "{one}" and "{other}"; name the ones to use, '
@@ -165,8 +178,8 @@ def _twice(
     )
 
 
-def _written(file: CsvFile, place: int) -> str:
-    """A column as ``--columns`` takes it."""
+def written_column(file: CsvFile, place: int) -> str:
+    """A column as options take it: its name, or its number where that would not do."""
     titles = file.titles or ()
     name = titles[place].name
     plain = name and not set(name) & set(",='\"") and [t.name for t in titles].count(name) == 1
@@ -249,7 +262,7 @@ def _nothing(file: CsvFile) -> InputError:
     example = f"--columns time,{','.join(CHANNELS)} (- skips a column)"
     if titles:
         places = [i for i in range(file.count) if i not in file.layout.empty | file.layout.texts]
-        first = _written(file, places[-1] if places else 0)
+        first = written_column(file, places[-1] if places else 0)
         example = f"--columns 'time=TITLE,accel_x=TITLE' (such as accel_x={first})"
     return InputError(
         f"{file.path}: no accelerometer or gyroscope column is recognised "
