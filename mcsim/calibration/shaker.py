@@ -6,6 +6,7 @@ reference gives a straight line, and the largest residual the non-linearity.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,7 +47,7 @@ class LinearityFit:
         return float(np.hypot(calibration, self.nonlinearity / self.slope / np.sqrt(3.0)))
 
 
-def read_amplitudes(path: Path) -> tuple[Array, Array]:
+def read_amplitudes(path: Path, tell: Callable[[str], None] | None = None) -> tuple[Array, Array]:
     """Reference and measured amplitudes from a CSV with the columns ``reference, measured``.
 
     Raises
@@ -54,7 +55,7 @@ def read_amplitudes(path: Path) -> tuple[Array, Array]:
     InputError
         Fewer than four points, text, or references that are all equal.
     """
-    outputs = read_columns(path, ("reference", "measured")).outputs
+    outputs = read_columns(path, ("reference", "measured"), tell=tell).outputs
     reference, measured = outputs["reference"], outputs["measured"]
     if len(reference) < _FEWEST_POINTS:
         raise InputError(

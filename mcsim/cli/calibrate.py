@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -59,8 +60,8 @@ def calibrate(
     """Six-position test: matrix and bias of an accelerometer, with uncertainties.
 
     FILE is a CSV with the columns position (+x, -x … -z: the axis that points up or down), x, y, z
-    in fractions of g, and perhaps repetition; one row per position, or many samples.  A velocity
-    scenario (YAML) instead simulates the test of its sensor.
+    in g (or the unit in brackets, x [m/s^2]), and perhaps repetition; one row per position, or many
+    samples.  A velocity scenario (YAML) instead simulates the test of its sensor.
     """
     from mcsim.calibration import calibrate as fit_of
     from mcsim.calibration import read_six_positions
@@ -69,7 +70,7 @@ def calibrate(
     if file.suffix.lower() in _SCENARIO_ENDINGS:
         test = _simulated_test(_velocity(file), samples, repetitions, _angle(alignment), seed)
     else:
-        test = read_six_positions(file)
+        test = read_six_positions(file, None if quiet else _note)
     fit = fit_of(test)
     folder = output / f"{file.stem}-calibration"
     table, residuals = _tables(fit)
@@ -95,14 +96,15 @@ def calibrate(
 def linearity(file: Path, full_scale: str | None, seed: int, output: Path, quiet: bool) -> None:
     """Shaker test: straight line and non-linearity of an accelerometer.
 
-    FILE is a CSV with the columns reference and measured (amplitudes in fractions of g), or a
+    FILE is a CSV with the columns reference and measured (amplitudes in g, or in the
+    unit in brackets), or a
     velocity scenario (YAML) with a block shaker, whose test is simulated.
     """
     from mcsim.figures import write_figure
     from mcsim.figures.linearity import draw_linearity
     from mcsim.store import write_table
 
-    fit = linearity_of(file, full_scale, seed)
+    fit = linearity_of(file, full_scale, seed, None if quiet else _note)
     folder = output / f"{file.stem}-linearity"
     write_table(linearity_table(fit), folder, "linearity")
     write_figure(draw_linearity([fit], [file.stem]), folder, "linearity")
@@ -115,7 +117,9 @@ def linearity(file: Path, full_scale: str | None, seed: int, output: Path, quiet
         )
 
 
-def linearity_of(file: Path, full_scale: str | None, seed: int) -> LinearityFit:
+def linearity_of(
+    file: Path, full_scale: str | None, seed: int, tell: Callable[[str], None] | None = None
+) -> LinearityFit:
     """The fit of a file's test, read or simulated."""
     from mcsim.calibration import linearity as fit_of
     from mcsim.calibration import read_amplitudes
@@ -134,7 +138,7 @@ def linearity_of(file: Path, full_scale: str | None, seed: int) -> LinearityFit:
         raise InputError(f"--full-scale: {error}") from None
     if scale <= 0.0:
         raise InputError(f'--full-scale: "{full_scale}" must be above zero')
-    return fit_of(*read_amplitudes(file), scale)
+    return fit_of(*read_amplitudes(file, tell), scale)
 
 
 def linearity_table(fit: LinearityFit) -> pd.DataFrame:
@@ -149,6 +153,10 @@ def linearity_table(fit: LinearityFit) -> pd.DataFrame:
             "residual [ppm FS]": 1e6 * fit.residuals / fit.full_scale,
         }
     )
+
+
+def _note(text: str) -> None:
+    click.echo(f"note: {text}", err=True)
 
 
 def _velocity(path: Path) -> VelocityScenario:

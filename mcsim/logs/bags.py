@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mcsim.errors import InputError
-from mcsim.logs.names import TIME
+from mcsim.logs.columns import TIME
 from mcsim.logs.table import Table
 
 ENDINGS = (".bag", ".mcap", ".db3")

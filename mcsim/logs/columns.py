@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mcsim.errors import InputError, UnitError
@@ -12,6 +12,17 @@ from mcsim.logs.model import ACCELEROMETER, GYROSCOPE, KIND, SHORT
 from mcsim.logs.names import CHANNELS, TIME, Meaning, Rank, channel_of, meaning_of
 from mcsim.logs.titles import factor_of, is_unit, shown_unit
 from mcsim.units import KINDS
+
+__all__ = [
+    "CHANNELS",
+    "TIME",
+    "Column",
+    "assign",
+    "said",
+    "time_column",
+    "unmatched_units",
+    "written_column",
+]
 
 _KIND_OF = {TIME: "time", **KIND}
 _EXAMPLES = {TIME: "s", ACCELEROMETER: "m/s^2", GYROSCOPE: "deg/s"}
@@ -64,12 +75,15 @@ def unmatched_units(units: str | None, found: Sequence[Column]) -> list[str]:
     ]
 
 
-def said(file: CsvFile, found: Sequence[Column]) -> str:
-    """A sentence about which column is used as what, in which unit, and which are not."""
+def said(file: CsvFile, found: Sequence[Column], also: Iterable[int] = ()) -> str:
+    """A sentence about which column is used as what, in which unit, and which are not.
+
+    ``also`` are places of columns of text that are used.
+    """
     used = ", ".join(
         f'"{column.title}" as {column.name} in {shown_unit(column.unit)}' for column in found
     )
-    taken = {column.place for column in found}
+    taken = {column.place for column in found} | set(also)
     others = [f'"{file.title(place)}"' for place in range(file.count) if place not in taken]
     if not others:
         return f"columns: {used}"

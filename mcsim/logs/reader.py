@@ -9,9 +9,9 @@ import numpy as np
 from mcsim.errors import InputError
 from mcsim.logs import bags
 from mcsim.logs.checks import check_gravity
+from mcsim.logs.columns import CHANNELS, TIME
 from mcsim.logs.folders import is_bag, read_folder
 from mcsim.logs.model import ACCELEROMETER, KIND, Array, Channel, Log, ReadOptions, Timing
-from mcsim.logs.names import CHANNELS, TIME
 from mcsim.logs.table import Table, read_table
 from mcsim.logs.timing import HIGHEST_RATE, LOWEST_RATE, check_stamps, unstamped
 from mcsim.units import KINDS
