@@ -58,6 +58,7 @@ def assign(file: CsvFile, columns: str | None, units: str | None) -> list[Column
     """
     names = _recognised(file) if columns is None else _stated(file, columns)
     given = _given_units(units, file, names)
+    _ask_units(file, names, given)
     found = [_column(file, place, name, given.get(place)) for place, name in names.items()]
     if not set(names.values()) - {TIME}:
         raise _nothing(file)
@@ -119,18 +120,34 @@ def _meanings(file: CsvFile) -> dict[int, Meaning]:
     }
 
 
+def _ask_units(file: CsvFile, names: Mapping[int, str], given: Mapping[int, str]) -> None:
+    """Refuse columns without a unit; the message has an option for all of them."""
+    bare = [
+        place
+        for place in names
+        if not (given.get(place) or (file.titles[place].unit if file.titles else ""))
+    ]
+    if not bare:
+        return
+    kinds = list(dict.fromkeys(_element_of(names[place]) for place in bare))
+    title, name, kind = file.title(bare[0]), names[bare[0]], kinds[0]
+    option = ",".join(f"{k}={_EXAMPLES[k]}" for k in kinds)
+    counts = next((k for k in kinds if k != TIME), kind)
+    raise InputError(
+        f'{file.path}: "{title}" ({name}) has no unit; write it in the header, '
+        f'"{name} [{_EXAMPLES[kind]}]", or give --units {option} with the units that are right '
+        f"(counts of the converter: --units '{counts}={_COUNTS[counts]}')"
+    )
+
+
+def _element_of(name: str) -> str:
+    return TIME if name == TIME else CHANNELS[name][0]
+
+
 def _column(file: CsvFile, place: int, name: str, given: str | None) -> Column:
-    kind = TIME if name == TIME else CHANNELS[name][0]
-    own = file.titles[place].unit if file.titles else ""
-    unit = given or own
+    kind = _element_of(name)
+    unit = given or (file.titles[place].unit if file.titles else "")
     title = file.title(place)
-    # Brackets that hold no unit: time (UTC), timestamp (+0100), ax (raw).
-    if not unit:
-        raise InputError(
-            f'{file.path}: "{title}" ({name}) has no unit; write it in the header, '
-            f'"{name} [{_EXAMPLES[kind]}]", or give --units {kind}={_EXAMPLES[kind]} '
-            f"(for counts of the converter --units '{kind}={_COUNTS[kind]}')"
-        )
     try:
         return Column(place, title, name, factor_of(unit, KINDS[_KIND_OF[kind]]), unit)
     except UnitError as error:
