@@ -18,6 +18,7 @@ from mcsim.scenario import UNITS, CaseScenario, ErrorRow, Point, Scenario
 from mcsim.scenario.effect import without_effect
 from mcsim.statistics import statistic_names
 from mcsim.sweep import SweepResult, check_points, describe_point
+from mcsim.trajectory import drive_notes
 from mcsim.units import degrees
 from mcsim.version import __version__
 
@@ -102,7 +103,8 @@ def check(scenario: Scenario) -> None:
 
 def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
     """Turn the points' results into tables."""
-    remarks = _remarks(scenario, sweep)
+    first = getattr(scenario.points[0].model, "trajectory", None)
+    remarks = [*drive_notes(first, scenario.folder), *_remarks(scenario, sweep)]
     history, tracks = _over_time(scenario)
     return Results(
         scenario=scenario,

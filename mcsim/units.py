@@ -54,7 +54,14 @@ _LENGTH = {"m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6}
 _TIME = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 _ANGLE = {"°": _DEG, "rad": 1.0, "mrad": 1e-3, "µrad": 1e-6}
 _FREQUENCY = {"Hz": 1.0, "kHz": 1e3}
-_SPEED = {"m/s": 1.0, "km/h": 1 / 3.6, "mm/s": 1e-3, "cm/s": 1e-2, "mph": 0.44704}
+_SPEED = {
+    "m/s": 1.0,
+    "km/h": 1 / 3.6,
+    "mm/s": 1e-3,
+    "cm/s": 1e-2,
+    "mph": 0.44704,
+    "kn": 1852 / 3600,
+}
 _ACCELERATION = {
     "m/s²": 1.0,
     "mm/s²": 1e-3,

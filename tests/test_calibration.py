@@ -197,7 +197,7 @@ def test_the_block_holds_the_interval_of_a_normal_distribution(tmp_path, capsys)
          "interchanged"),
         (lambda rows: [rows[0].replace("+x", "north"), *rows[1:]], "is not one of"),
         (lambda rows: ["+x,one,0,0", *rows[1:]], 'test.csv:2: column "x" holds "one", where'),
-        (lambda rows: ["+x,9.81,0.1,0.2", *rows[1:]], "divide values in m/s² by 9.80665"),
+        (lambda rows: ["+x,9.81,0.1,0.2", *rows[1:]], "unit into the header, such as x [m/s"),
         (lambda rows: ["+x,1.0", *rows[1:]], 'test.csv:2: column "y" holds nothing'),
         (lambda rows: ["+x,1.0,0,0,7", *rows[1:]], "test.csv:2: has more cells than the header"),
         (lambda rows: ["+x,nan,0,0", *rows[1:]], 'column "x" holds nothing (or nan)'),
@@ -214,9 +214,9 @@ def test_bad_tests_are_explained(tmp_path, change, message):
 
 def test_wrong_units_and_singular_matrices_are_explained(tmp_path, capsys):
     rows = rows_of(simulated(1, repetitions=1))
-    path = write(tmp_path / "t.csv", rows, "position,x [m/s^2],y [m/s^2],z [m/s^2]")
+    path = write(tmp_path / "t.csv", rows, "position,x [deg/s],y [deg/s],z [deg/s]")
     assert exit_code(["calibrate", str(path), "--output", str(tmp_path / "out")]) == 2
-    assert "a sensor output is needed here" in capsys.readouterr().err
+    assert "an acceleration is needed here" in capsys.readouterr().err
     twice = [",".join([r.split(",")[0], *[r.split(",")[1]] * 3]) for r in rows]
     path = write(tmp_path / "s.csv", twice)
     assert exit_code(["calibrate", str(path), "--output", str(tmp_path / "out")]) == 2

@@ -233,7 +233,7 @@ def replaced(values, row, text):
         (replaced(np.column_stack([TIME, TIME]), 0, "oops"), {}, ':2: column .* holds "oops"'),
         (replaced(np.column_stack([TIME, TIME]), 5, "\N{MINUS SIGN}x"), {}, ":7: column"),
         ("# by hand\n\n" + replaced(np.column_stack([TIME, TIME]), 7, "oops"), {}, ":11: column"),
-        ("t [s];gx [rad/s]\n0,5;1,5\n0,6;1,6\n", {}, "write a decimal point, not a comma"),
+        ("t [s];gx [rad/s]\n0.5;1.5\n0,6;1,6\n", {}, ":3: column .* with a decimal point"),
         ("t [s],gx [rad/s]\n0,1\n", {}, "1 row: too few for a rate"),
         ("t [s],gx [rad/s]\n" + 9 * "0,1\n", {}, "repeat the one before"),
         ("gx [rad/s],gy [rad/s]\n0,1\n1,2\n", {"rate": -1.0}, "--rate -1 Hz"),

@@ -63,7 +63,7 @@ def test_jittery_stamps_are_evened_out(csv):
 
 def test_logs_of_a_wandering_rate_keep_their_usual_step(csv):
     stamps = np.concatenate([TIME, TIME[-1] + np.arange(1, 41) / 20.0])
-    log = read_vibration_log(csv("t,a [m/s²]", stamps, stamps))
+    log = read_vibration_log(csv("t [s],a [m/s²]", stamps, stamps))
     assert log.rate == pytest.approx(RATE)
     np.testing.assert_allclose(log.samples[:, 0], log.time, atol=1e-9)
 
@@ -71,16 +71,17 @@ def test_logs_of_a_wandering_rate_keep_their_usual_step(csv):
 @pytest.mark.parametrize(
     ("header", "columns", "options", "message"),
     [
-        ("t,a", (TIME, SIGNAL), {}, "no column with a unit of an acceleration"),
-        ("t,a", (TIME, SIGNAL), {"channels": ("b",)}, 'no column "b" (it has a)'),
-        ("t,a", (TIME, SIGNAL), {"channels": ("a",)}, "has no unit; give --unit"),
-        ("t,a [Hz]", (TIME, SIGNAL), {"channels": ("a",)}, "is a frequency"),
+        ("t [s],a", (TIME, SIGNAL), {}, "no column with a unit of an acceleration"),
+        ("t [s],a", (TIME, SIGNAL), {"channels": ("b",)}, 'no column "b" (it has t, a)'),
+        ("t [s],a", (TIME, SIGNAL), {"channels": ("a",)}, "has no unit; give --unit"),
+        ("t [s],a [Hz]", (TIME, SIGNAL), {"channels": ("a",)}, "is a frequency"),
+        ("t,a [g]", (TIME, SIGNAL), {}, "--time 't in ms'"),
         ("b,a [g]", (TIME, SIGNAL), {}, "no time column"),
         ("b,a [g]", (TIME, SIGNAL), {"time": "c in s"}, 'no column "c" for the time'),
         ("t [g],a [g]", (TIME, SIGNAL), {}, "is an acceleration; a time is needed"),
-        ("t,a [g]", (TIME[:9], SIGNAL[:9]), {}, "9 rows are too few"),
-        ("t,a [g]", (TIME[::-1], SIGNAL), {}, "log.csv:3: the time does not go forward"),
-        ("t,a [g]", (TIME + (TIME > 1.0) * 9, SIGNAL), {}, "log.csv:103: a gap of 9.01 s"),
+        ("t [s],a [g]", (TIME[:9], SIGNAL[:9]), {}, "9 rows are too few"),
+        ("t [s],a [g]", (TIME[::-1], SIGNAL), {}, "log.csv:3: the time does not go forward"),
+        ("t [s],a [g]", (TIME + (TIME > 1.0) * 9, SIGNAL), {}, "log.csv:103: a gap of 9.01 s"),
     ],
 )
 def test_bad_logs_are_explained(csv, header, columns, options, message):
@@ -90,7 +91,7 @@ def test_bad_logs_are_explained(csv, header, columns, options, message):
 
 
 def test_cells_that_are_no_numbers_are_found(csv, tmp_path):
-    path = csv("t,a [g]", TIME, SIGNAL)
+    path = csv("t [s],a [g]", TIME, SIGNAL)
     lines = path.read_text().splitlines()
     lines[6] = "0.05,oops"
     path.write_text("\n".join(lines))

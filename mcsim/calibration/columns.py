@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError, UnitError
-from mcsim.logs.csv_file import CsvFile, open_csv
-from mcsim.units import KINDS, factor
+from mcsim.logs.columns import Column, said
+from mcsim.logs.csv_file import CsvFile, open_csv, scaled
+from mcsim.logs.names import meaning_of
+from mcsim.logs.titles import factor_of
+from mcsim.units import KINDS, STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 
@@ -33,19 +37,22 @@ def read_columns(
     outputs: tuple[str, ...],
     texts: tuple[str, ...] = (),
     optional: tuple[str, ...] = (),
+    tell: Callable[[str], None] | None = None,
 ) -> Columns:
     """Read a CSV file whose header names ``outputs`` and ``texts``, perhaps ``optional`` texts.
 
-    Outputs may be in g or mg, stated in brackets; without a unit they are fractions of g.
+    Outputs may be in g, mg, m/s² or counts (``16384 counts/g``), stated in brackets; without a
+    unit they are fractions of g.  A column of an axis may also be called as in a log (``ax``,
+    ``Acceleration x``).  ``tell`` is told which column was used as what.
 
     Raises
     ------
     InputError
-        No such file, columns missing, a unit that is none of g, a cell that is no number, or a
-        line with too many cells.
+        No such file, columns missing, a unit that is no acceleration's, a cell that is no number,
+        or a line with too many cells.
     """
     file = open_csv(path)
-    places = {title.name.casefold(): i for i, title in enumerate(file.titles or ())}
+    places = _places(file)
     wanted = ", ".join((*texts, *outputs))
     missing = [name for name in (*texts, *outputs) if name not in places]
     if missing:
@@ -55,20 +62,76 @@ def read_columns(
             + (f" and may name {', '.join(optional)}" if optional else "")
         )
     file.check_widths()
-    factors = {name: _factor(file, places[name]) for name in outputs}
+    columns = {name: _column(file, places[name], name) for name in outputs}
     numbers = file.numbers([places[name] for name in outputs])
+    count = len(next(iter(numbers.values())))
+    if tell is not None:
+        for note in _notes(
+            file, columns, [places[name] for name in (*texts, *optional) if name in places]
+        ):
+            tell(note)
     return Columns(
         file,
-        {name: numbers[places[name]].astype(float) * factors[name] for name in outputs},
-        {name: file.texts(places[name]) for name in (*texts, *optional) if name in places},
+        {
+            name: scaled(numbers[c.place].astype(float), c.factor, path, c.title)
+            for name, c in columns.items()
+        },
+        {name: file.texts(places[name])[:count] for name in (*texts, *optional) if name in places},
     )
 
 
-def _factor(file: CsvFile, place: int) -> float:
+def _places(file: CsvFile) -> dict[str, int]:
+    """Places by name in small letters; axes of an accelerometer by their letter too."""
+    titles = file.titles or ()
+    places: dict[str, int] = {}
+    for i, title in enumerate(titles):
+        name = title.name.casefold()
+        if name in places:
+            raise InputError(f'{file.path}:{file.header}: two columns are called "{title.name}"')
+        places[name] = i
+    named = [(i, meaning_of(title)) for i, title in enumerate(titles)]
+    for axis in "xyz":
+        found = [i for i, m in named if m is not None and m.name == f"accel_{axis}"]
+        if len(found) == 1:
+            places.setdefault(axis, found[0])
+    return places
+
+
+def _column(file: CsvFile, place: int, name: str) -> Column:
+    """The column, with the factor to fractions of standard gravity."""
     unit = file.titles[place].unit if file.titles else ""
     try:
-        return factor(unit, KINDS["sensor output"]) if unit else 1.0
+        return Column(place, file.title(place), name, _factor(unit) if unit else 1.0, unit or "g")
     except UnitError as error:
         raise InputError(
             f'{file.path}:{file.header}: column "{file.title(place)}": {error}'
         ) from None
+
+
+def _factor(unit: str) -> float:
+    try:
+        return factor_of(unit, KINDS["sensor output"])
+    except UnitError:
+        return factor_of(unit, KINDS["acceleration"]) / STANDARD_GRAVITY
+
+
+def _notes(file: CsvFile, columns: dict[str, Column], texts: list[int]) -> list[str]:
+    """Which column is what; that of g, where none is stated, is taken for granted and said."""
+    unstated = [f'"{c.title}"' for c in columns.values() if not (file.titles or ())[c.place].unit]
+    notes = [said(file, list(columns.values()), texts), *file.notes]
+    if unstated:
+        notes.append(f"{', '.join(unstated)} without a unit: taken as fractions of g")
+    if any(_in_metres(c.unit) for c in columns.values()):
+        notes.append(
+            f"m/s² are divided by standard gravity, {STANDARD_GRAVITY} m/s²; the local one differs "
+            "by up to 0.3 %, and so does the scale factor"
+        )
+    return notes
+
+
+def _in_metres(unit: str) -> bool:
+    try:
+        factor_of(unit, KINDS["sensor output"])
+    except UnitError:
+        return True
+    return False

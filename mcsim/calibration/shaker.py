@@ -6,6 +6,7 @@ reference gives a straight line, and the largest residual the non-linearity.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -95,7 +96,7 @@ class LinearityFit:
         return float(np.hypot(calibration, self.nonlinearity / abs(mxx) / np.sqrt(3.0)))
 
 
-def read_amplitudes(path: Path) -> tuple[Array, Array]:
+def read_amplitudes(path: Path, tell: Callable[[str], None] | None = None) -> tuple[Array, Array]:
     """Reference and measured amplitudes from a CSV with the columns ``reference, measured``.
 
     Raises
@@ -104,7 +105,7 @@ def read_amplitudes(path: Path) -> tuple[Array, Array]:
         Fewer than four points, text, amplitudes beyond a shaker's, references with fewer
         than three different values, or a sensor that did not follow.
     """
-    table = read_columns(path, ("reference", "measured"))
+    table = read_columns(path, ("reference", "measured"), tell=tell)
     outputs = table.outputs
     reference, measured = outputs["reference"], outputs["measured"]
     if len(reference) < _FEWEST_POINTS:

@@ -6,7 +6,7 @@ positions gives 18 equations ``am = M0 at + B`` for 12 parameters, solved by lea
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -107,7 +107,7 @@ def _by_name(letter: str, values: Array, deviations: Array, freedom: Array) -> d
     }
 
 
-def read_six_positions(path: Path) -> SixPositions:
+def read_six_positions(path: Path, tell: Callable[[str], None] | None = None) -> SixPositions:
     """Read a test from a CSV file with the columns ``position, x, y, z``.
 
     ``position`` is +x, -x, … -z (the axis that points up or down); several rows of one position
@@ -118,7 +118,7 @@ def read_six_positions(path: Path) -> SixPositions:
     InputError
         A missing position, text, or values that are no fractions of g.
     """
-    table = read_columns(path, tuple(AXES), ("position",), ("repetition",))
+    table = read_columns(path, tuple(AXES), ("position",), ("repetition",), tell)
     outputs = np.column_stack([table.outputs[axis] for axis in AXES])
     written = table.texts["position"]
     repetitions = table.texts.get("repetition", ["1"] * len(written))
@@ -133,7 +133,7 @@ def read_six_positions(path: Path) -> SixPositions:
         if max(map(abs, values)) > _LARGEST_OUTPUT:
             raise InputError(
                 f"{table.where(row)}: {max(values, key=abs):g} is no fraction of g at rest; "
-                "divide values in m/s² by 9.80665, or write the unit mg into the header"
+                "write the unit into the header, such as x [m/s^2], x [mg] or x [16384 counts/g]"
             )
         samples.setdefault(repetitions[row], {}).setdefault(position, []).append(values)
     for repetition, by_position in samples.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -62,8 +63,8 @@ def calibrate(
     """Six-position test: matrix and bias of an accelerometer, with uncertainties.
 
     FILE is a CSV with the columns position (+x, -x … -z: the axis that points up or down), x, y, z
-    in fractions of g, and perhaps repetition; one row per position, or many samples.  A velocity
-    scenario (YAML) instead simulates the test of its sensor.
+    in g (or the unit in brackets, x [m/s^2]), and perhaps repetition; one row per position, or many
+    samples.  A velocity scenario (YAML) instead simulates the test of its sensor.
     """
     from mcsim.calibration import calibrate as fit_of
     from mcsim.calibration import read_six_positions
@@ -72,7 +73,7 @@ def calibrate(
     if _is_scenario(file):
         test = _simulated_test(_velocity(file), samples, repetitions, _angle(alignment), seed)
     else:
-        test = read_six_positions(file)
+        test = read_six_positions(file, None if quiet else _note)
     fit = fit_of(test)
     folder = output / f"{file.stem}-calibration"
     table, residuals = _tables(fit)
@@ -113,7 +114,8 @@ def linearity(
 ) -> None:
     """Shaker test: straight line and non-linearity of an accelerometer.
 
-    FILE is a CSV with the columns reference and measured (amplitudes in fractions of g), or a
+    FILE is a CSV with the columns reference and measured (amplitudes in g, or in the
+    unit in brackets), or a
     velocity scenario (YAML) with a block shaker, whose test is simulated.
     """
     from mcsim.calibration.words import linearity_words
@@ -123,7 +125,7 @@ def linearity(
 
     if mxx is not None and _is_scenario(file):
         raise InputError("--mxx: the scenario brings its own, from the matrix of its calibration")
-    fit = linearity_of(file, full_scale, seed)
+    fit = linearity_of(file, full_scale, seed, None if quiet else _note)
     if _is_scenario(file):
         mxx = _mxx(_velocity(file))
     folder = output / f"{file.stem}-linearity"
@@ -133,7 +135,9 @@ def linearity(
         click.echo(f"{linearity_words(fit, mxx)}\n{folder / 'linearity.png'}")
 
 
-def linearity_of(file: Path, full_scale: str | None, seed: int) -> LinearityFit:
+def linearity_of(
+    file: Path, full_scale: str | None, seed: int, tell: Callable[[str], None] | None = None
+) -> LinearityFit:
     """The fit of a file's test, read or simulated."""
     from mcsim.calibration import linearity as fit_of
     from mcsim.calibration import read_amplitudes
@@ -155,7 +159,7 @@ def linearity_of(file: Path, full_scale: str | None, seed: int) -> LinearityFit:
             f'--full-scale: "{full_scale}" must lie between {1e3 * _LEAST_SCALE:g} mg and '
             f"{_LARGEST_SCALE:g} g"
         )
-    return fit_of(*read_amplitudes(file), scale)
+    return fit_of(*read_amplitudes(file, tell), scale)
 
 
 def linearity_table(fit: LinearityFit) -> pd.DataFrame:
@@ -185,6 +189,10 @@ def _mxx(model: VelocityScenario) -> float:
     from mcsim.cases.velocity_samples import correction_of
 
     return float(np.linalg.inv(correction_of(model.calibration)[0])[0, 0])
+
+
+def _note(text: str) -> None:
+    click.echo(f"note: {text}", err=True)
 
 
 def _velocity(path: Path) -> VelocityScenario:

@@ -44,7 +44,11 @@ _MANY = 500_000
 @click.option("--rate", metavar="'100 Hz'", help="Of a log without a time column.")
 @click.option("--time", "stamps", metavar="'NAME in UNIT'", help="Column of a log's time stamps.")
 @click.option("--channel", "channels", multiple=True, help="Column of a log; all that fit if none.")
-@click.option("--unit", help="Of a log's columns whose header has none.")
+@click.option(
+    "--unit",
+    help="Of columns without one: those of --channel, else those named like an acceleration; "
+    "also counts, '16384 counts/g'.",
+)
 @click.option("--quiet", is_flag=True, help="No progress, no summary.")
 def vibration(
     given: Path,
@@ -225,7 +229,7 @@ def _report(analysis: Analysis, folder: Path) -> None:
     click.echo("\n".join(columns(rows)))
     if analysis.orders is not None:
         click.echo("\n".join(["", *columns(_order_rows(analysis.orders))]))
-    for note in (*log.notes, *analysis.filters.notes):
+    for note in (*log.remarks, *log.notes, *analysis.filters.notes):
         click.echo(f"note: {note}", err=True)
     click.echo(f"{log.name}: {folder / 'table.csv'}, {folder / 'figure.png'}")
 

@@ -12,7 +12,8 @@ from mcsim.units import STANDARD_GRAVITY
 _TOLERANCE = 0.1
 #: Units that an accelerometer's numbers may truly have, with the gravity they show.
 _TRUE_UNITS = {"g": 1.0, "mg": 1000.0, "m/s²": STANDARD_GRAVITY, "mm/s²": 9806.65, "µg": 1e6}
-_NO_GRAVITY = 0.5
+#: Means (m/s²) that show no gravity, and those that no rest shows, whatever the scale error.
+_NO_GRAVITY, _BEYOND_REST = 0.5, 5.0 * STANDARD_GRAVITY
 
 
 def check_gravity(channels: list[Channel], unit: str, unit_si: float, where: str) -> str | None:
@@ -23,7 +24,7 @@ def check_gravity(channels: list[Channel], unit: str, unit_si: float, where: str
     Raises
     ------
     InputError
-        The numbers have the magnitude of gravity in another unit.
+        The numbers have the magnitude of gravity in another unit, or are far beyond it.
     """
     means = [float(c.samples.mean()) for c in channels if c.element == ACCELEROMETER]
     if len(means) < len(AXES):
@@ -41,6 +42,13 @@ def check_gravity(channels: list[Channel], unit: str, unit_si: float, where: str
                 f"is {shown:.4g}: that is gravity in {other}; state it by --units "
                 f"accelerometer={other}"
             )
+    if magnitude > _BEYOND_REST:
+        raise InputError(
+            f"{where}: the accelerometer's mean is {magnitude:.4g} m/s², where rest shows "
+            f"9.81 m/s²; its unit is said to be {unit}: state the right one by --units "
+            f"accelerometer=…, for counts of the converter with the data sheet's sensitivity, near "
+            f"--units 'accelerometer={shown:.3g} counts/g'"
+        )
     return (
         f"the accelerometer's mean is {magnitude:.4g} m/s², where rest shows 9.81 m/s²: "
         "check its unit and scale"

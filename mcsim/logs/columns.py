@@ -2,34 +2,34 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
+import csv
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mcsim.errors import InputError, UnitError
-from mcsim.logs.csv_file import Title
-from mcsim.logs.model import ACCELEROMETER, AXES, GYROSCOPE, KIND, SHORT
-from mcsim.units import KINDS, factor
+from mcsim.logs.csv_file import CsvFile, shown
+from mcsim.logs.model import ACCELEROMETER, GYROSCOPE, KIND, SHORT
+from mcsim.logs.names import CHANNELS, TIME, Meaning, Rank, channel_of, meaning_of
+from mcsim.logs.titles import factor_of, is_unit, shown_unit
+from mcsim.units import KINDS
 
-TIME = "time"
-#: Names of channels as ``--columns`` takes them.
-CHANNELS = {f"{short}_{axis}": (element, axis) for element, short in SHORT.items() for axis in AXES}
+__all__ = [
+    "CHANNELS",
+    "TIME",
+    "Column",
+    "assign",
+    "said",
+    "time_column",
+    "unmatched_units",
+    "written_column",
+]
+
 _KIND_OF = {TIME: "time", **KIND}
 _EXAMPLES = {TIME: "s", ACCELEROMETER: "m/s^2", GYROSCOPE: "deg/s"}
+_COUNTS = {ACCELEROMETER: "16384 counts/g", GYROSCOPE: "131 counts/(deg/s)", TIME: "1000 ticks/s"}
 _SKIPPED = "-"
-
-_TIME_NAME = re.compile(
-    r"(time|timestamp|stamp|times|t|sec|secs|seconds|millis)(_.*)?|.*_timestamp"
-)
-_ACCELERATION_NAME = re.compile(
-    r"(?:.*_)?(?:a|acc|accel|acceleration|accelerometer|lin_?acc|linear_acceleration|"
-    r"specific_force|a_rs_s)_?(?P<axis>[xyz])"
-)
-_RATE_NAME = re.compile(
-    r"(?:.*_)?(?:g|w|gyr|gyro|gyroscope|omega|angular_velocity|ang_?vel|angular_rate|"
-    r"w_rs_s)_?(?P<axis>[xyz])"
-)
-_TURN_NAMES = {"roll": "x", "pitch": "y", "yaw": "z"}
+#: Columns left aside that a remark names.
+_NAMED = 8
 
 
 @dataclass(frozen=True)
@@ -43,100 +43,209 @@ class Column:
     unit: str
 
 
-def assign(
-    titles: Sequence[Title] | None, count: int, columns: str | None, units: str | None, where: str
-) -> list[Column]:
-    """The columns that matter, of a table with ``count`` columns and perhaps a header.
+def assign(file: CsvFile, columns: str | None, units: str | None) -> list[Column]:
+    """The columns of a file that hold time, accelerations or rates.
 
-    ``columns`` names all of them in order (``time,accel_x,-,gyro_z``) or some by their
-    title (``accel_x=ax,time=t``); ``units`` gives units in the same order, or by kind
-    (``accelerometer=g,gyroscope=deg/s,time=ms``).
+    ``columns`` names all of them in order (``time,accel_x,-,gyro_z``) or some by their title or
+    number (``accel_x=ax,time=column 1``); without it names and units of the header say what a
+    column is, and what is a sensor's own goes before what was made from it.  ``units`` gives
+    units in the same order, or by kind (``accelerometer=g,gyroscope=deg/s,time=ms``).
 
     Raises
     ------
     InputError
         Nothing is recognised, something occurs twice, or a unit is missing or wrong.
     """
-    names = _names(titles, count, columns, where)
-    given = _given_units(units, count, names, where)
-    found: dict[str, Column] = {}
-    for place, name in names.items():
-        if name in found:
-            raise InputError(f"{where}: two columns are {name}; name one by --columns")
-        kind = TIME if name == TIME else CHANNELS[name][0]
-        unit = given.get(place) or (titles[place].unit if titles else "")
-        title = titles[place].text if titles else f"column {place + 1}"
-        if not unit:
-            raise InputError(
-                f'{where}: "{title}" ({name}) has no unit; write it in the header, '
-                f'"{name} [{_EXAMPLES[kind]}]", or give --units {kind}={_EXAMPLES[kind]}'
-            )
-        try:
-            scale = factor(unit, KINDS[_KIND_OF[kind]])
-        except UnitError as error:
-            raise InputError(f'{where}: column "{title}": {error}') from None
-        found[name] = Column(place, title, name, scale, unit)
-    if not set(found) - {TIME}:
-        held = ", ".join(f'"{title.text}"' for title in titles) if titles else f"{count} columns"
-        raise InputError(
-            f"{where}: no accelerometer or gyroscope column is recognised ({held}); "
-            f"name them, for example --columns time,{','.join(CHANNELS)} "
-            f"(- skips a column) with --units accelerometer=m/s^2,gyroscope=deg/s,time=s"
-        )
-    return list(found.values())
+    names = _recognised(file) if columns is None else _stated(file, columns)
+    given = _given_units(units, file, names)
+    _ask_units(file, names, given)
+    found = [_column(file, place, name, given.get(place)) for place, name in names.items()]
+    if not set(names.values()) - {TIME}:
+        raise _nothing(file)
+    return found
 
 
-def channel_of(title: str) -> str | None:
-    """``time``, a channel's name, or None, from a column's title without its unit."""
-    name = re.sub(r"[^a-z0-9]+", "_", title.lower()).strip("_")
-    if _TIME_NAME.fullmatch(name):
-        return TIME
-    for element, pattern in ((ACCELEROMETER, _ACCELERATION_NAME), (GYROSCOPE, _RATE_NAME)):
-        match = pattern.fullmatch(name)
-        if match:
-            return f"{SHORT[element]}_{match['axis']}"
-    turn = re.fullmatch(r"(roll|pitch|yaw)_?rate", name)
-    return f"{SHORT[GYROSCOPE]}_{_TURN_NAMES[turn[1]]}" if turn else None
+def unmatched_units(units: str | None, found: Sequence[Column]) -> list[str]:
+    """Parts of ``--units`` that are of no column, such as ``gyroscope=deg/s`` without one."""
+    if units is None or "=" not in units:
+        return []
+    return [
+        word.strip()
+        for word in units.split(",")
+        if not any(_is_meant(word.partition("=")[0].strip(), column.name) for column in found)
+    ]
 
 
-def _names(
-    titles: Sequence[Title] | None,
-    count: int,
-    columns: str | None,
-    where: str,
-) -> dict[int, str]:
-    if columns is None:
-        if titles is None:
-            raise InputError(
-                f"{where}: has no header; name its {count} columns in order, for example "
-                "--columns time,accel_x,accel_y,accel_z (- skips a column), and give --units"
-            )
-        named = {place: channel_of(title.name) for place, title in enumerate(titles)}
-        return {place: name for place, name in named.items() if name is not None}
-    words = [word.strip() for word in columns.split(",")]
-    if "=" in columns:
-        return _by_title(words, titles, where)
-    if len(words) != count:
-        raise InputError(
-            f"{where}: has {count} columns, --columns names {len(words)} (- skips a column)"
-        )
+def said(file: CsvFile, found: Sequence[Column], also: Iterable[int] = ()) -> str:
+    """A sentence about which column is used as what, in which unit, and which are not.
+
+    ``also`` are places of columns of text that are used.
+    """
+    used = ", ".join(
+        f'"{column.title}" as {column.name} in {shown_unit(column.unit)}' for column in found
+    )
+    taken = {column.place for column in found} | set(also)
+    others = [f'"{file.title(place)}"' for place in range(file.count) if place not in taken]
+    if not others:
+        return f"columns: {used}"
+    more = f" and {len(others) - _NAMED} more" if len(others) > _NAMED else ""
+    return f"columns: {used}; not used: {', '.join(others[:_NAMED])}{more}"
+
+
+def time_column(file: CsvFile) -> int | None:
+    """Place of the time stamps: numbers before text, plain names first, then those with a unit.
+
+    Raises
+    ------
+    InputError
+        Several columns are equally likely.
+    """
+    meanings = _meanings(file)
+    places = [place for place, meaning in meanings.items() if meaning.name == TIME]
+    titles = file.titles or ()
+    numbers = [place for place in places if place not in file.layout.texts] or places
+    plain = [place for place in numbers if meanings[place].rank == Rank.SENSOR] or numbers
+    places = [place for place in plain if is_unit(titles[place].unit)] or plain
+    if len(places) > 1:
+        raise _twice(file, meanings, TIME, (places[0], places[1]))
+    return places[0] if places else None
+
+
+def _meanings(file: CsvFile) -> dict[int, Meaning]:
+    """What the titles of columns that hold something say."""
     return {
-        place: _known(word, where) for place, word in enumerate(words) if word not in ("", _SKIPPED)
+        place: meaning
+        for place, title in enumerate(file.titles or ())
+        if place not in file.layout.empty and (meaning := meaning_of(title)) is not None
     }
 
 
-def _by_title(words: Sequence[str], titles: Sequence[Title] | None, where: str) -> dict[int, str]:
-    if titles is None:
-        raise InputError(f"{where}: has no header; --columns must name all columns in order")
-    names = {}
-    for word in words:
-        name, _, title = (part.strip() for part in word.partition("="))
-        places = [i for i, held in enumerate(titles) if title in (held.text, held.name)]
-        if not places:
-            held = ", ".join(title.text for title in titles)
-            raise InputError(f'{where}: no column "{title}" (columns: {held})')
-        names[places[0]] = _known(name, where)
-    return names
+def _ask_units(file: CsvFile, names: Mapping[int, str], given: Mapping[int, str]) -> None:
+    """Refuse columns without a unit; the message has an option for all of them."""
+    bare = [
+        place
+        for place in names
+        if not (given.get(place) or (file.titles[place].unit if file.titles else ""))
+    ]
+    if not bare:
+        return
+    kinds = list(dict.fromkeys(_element_of(names[place]) for place in bare))
+    title, name, kind = file.title(bare[0]), names[bare[0]], kinds[0]
+    option = ",".join(f"{k}={_EXAMPLES[k]}" for k in kinds)
+    counts = next((k for k in kinds if k != TIME), kind)
+    raise InputError(
+        f'{file.path}: "{title}" ({name}) has no unit; write it in the header, '
+        f'"{name} [{_EXAMPLES[kind]}]", or give --units {option} with the units that are right '
+        f"(counts of the converter: --units '{counts}={_COUNTS[counts]}')"
+    )
+
+
+def _element_of(name: str) -> str:
+    return TIME if name == TIME else CHANNELS[name][0]
+
+
+def _column(file: CsvFile, place: int, name: str, given: str | None) -> Column:
+    kind = _element_of(name)
+    unit = given or (file.titles[place].unit if file.titles else "")
+    title = file.title(place)
+    try:
+        return Column(place, title, name, factor_of(unit, KINDS[_KIND_OF[kind]]), unit)
+    except UnitError as error:
+        raise InputError(
+            f'{file.path}: column "{title}": {error}; state it by --units {kind}={_EXAMPLES[kind]}'
+        ) from None
+
+
+def _recognised(file: CsvFile) -> dict[int, str]:
+    """Places and names of the columns that the header says to be a sensor's."""
+    if file.titles is None:
+        raise InputError(
+            f"{file.path}: has no header; name its {file.count} columns in order, for example "
+            "--columns time,accel_x,accel_y,accel_z (- skips a column), and give --units "
+            "(accelerometer=m/s^2,gyroscope=deg/s,time=s)"
+        )
+    meanings = _meanings(file)
+    time = time_column(file)
+    named: dict[int, str] = {} if time is None else {time: TIME}
+    for element in SHORT:
+        named |= _of_element(file, meanings, element)
+    return dict(sorted(named.items()))
+
+
+def _of_element(file: CsvFile, meanings: Mapping[int, Meaning], element: str) -> dict[int, str]:
+    """The columns of one sensor: those of the surest rank, if they are of one sensor."""
+    of_element = {
+        place: meaning
+        for place, meaning in meanings.items()
+        if meaning.name != TIME and CHANNELS[meaning.name][0] == element
+    }
+    best = min((m.rank for m in of_element.values()), default=Rank.VIRTUAL)
+    if best == Rank.VIRTUAL:
+        return {}
+    chosen: dict[str, int] = {}
+    for place, meaning in of_element.items():
+        if meaning.rank != best or place in file.layout.texts:
+            continue
+        if meaning.name in chosen:
+            raise _twice(file, meanings, meaning.name, (chosen[meaning.name], place))
+        chosen[meaning.name] = place
+    return {place: name for name, place in chosen.items()}
+
+
+def _twice(
+    file: CsvFile, meanings: Mapping[int, Meaning], name: str, places: tuple[int, int]
+) -> InputError:
+    """Two columns are the same; a choice that works is shown: the first of each."""
+    first: dict[str, int] = {}
+    for place, meaning in sorted(meanings.items(), key=lambda item: (item[1].rank, item[0])):
+        if meaning.rank < Rank.VIRTUAL:
+            first.setdefault(meaning.name, place)
+    names = [(name_, first[name_]) for name_ in (TIME, *CHANNELS) if name_ in first]
+    choice = ",".join(f"{name_}={written_column(file, place)}" for name_, place in names)
+    one, other = (file.title(place) for place in places)
+    return InputError(
+        f'{file.path}: two columns are {name}: "{one}" and "{other}"; name the ones to use, '
+        f"for example --columns '{choice}'"
+    )
+
+
+def written_column(file: CsvFile, place: int) -> str:
+    """A column as options take it: its name, or its number where that would not do."""
+    titles = file.titles or ()
+    name = titles[place].name
+    plain = name and not set(name) & set(",='\"") and [t.name for t in titles].count(name) == 1
+    return name if plain else f"column {place + 1}"
+
+
+def _stated(file: CsvFile, columns: str) -> dict[int, str]:
+    words = [word.strip() for word in next(csv.reader([columns], skipinitialspace=True), [])]
+    where = str(file.path)
+    named: dict[int, str] = {}
+    if "=" in columns:
+        for word in words:
+            name, _, title = (part.strip() for part in word.partition("="))
+            place = file.place_of(title)
+            if place is None:
+                held = ", ".join(file.title(i) for i in range(file.count))
+                raise InputError(f'{where}: no column "{title}" (columns: {held})')
+            if place in named:
+                raise InputError(f'{where}: --columns names the column "{title}" twice')
+            named[place] = _known(name, where)
+    elif len(words) != file.count:
+        raise InputError(
+            f"{where}: has {file.count} columns, --columns names {len(words)} (- skips a column)"
+        )
+    else:
+        named = {
+            place: _known(word, where)
+            for place, word in enumerate(words)
+            if word not in ("", _SKIPPED)
+        }
+    for name in named.values():
+        places = [place for place, other in named.items() if other == name]
+        if len(places) > 1:
+            raise InputError(f"{where}: two columns are {name}: --columns must name one")
+    return named
 
 
 def _known(word: str, where: str) -> str:
@@ -148,11 +257,10 @@ def _known(word: str, where: str) -> str:
     return name
 
 
-def _given_units(
-    units: str | None, count: int, names: Mapping[int, str], where: str
-) -> dict[int, str]:
+def _given_units(units: str | None, file: CsvFile, names: Mapping[int, str]) -> dict[int, str]:
     if units is None:
         return {}
+    where, count = file.path, file.count
     words = [word.strip() for word in units.split(",")]
     if "=" not in units:
         if len(words) != count:
@@ -164,12 +272,11 @@ def _given_units(
     given: dict[int, str] = {}
     for word in words:
         key, _, unit = (part.strip() for part in word.partition("="))
-        places = [place for place, name in names.items() if _is_meant(key, name)]
-        if not places and key not in (*_KIND_OF, *SHORT.values(), *CHANNELS):
+        if key not in (*_KIND_OF, *SHORT.values(), *CHANNELS):
             raise InputError(
                 f'{where}: --units: "{key}" is none of {", ".join([*_KIND_OF, *CHANNELS])}'
             )
-        given.update(dict.fromkeys(places, unit))
+        given.update({place: unit for place, name in names.items() if _is_meant(key, name)})
     return given
 
 
@@ -178,3 +285,18 @@ def _is_meant(key: str, name: str) -> bool:
         return True
     element = CHANNELS[name][0] if name != TIME else None
     return element is not None and key in (element, SHORT[element])
+
+
+def _nothing(file: CsvFile) -> InputError:
+    titles = file.titles
+    held = ", ".join(f'"{shown(t.text)}"' for t in titles[:40]) if titles else ""
+    example = f"--columns time,{','.join(CHANNELS)} (- skips a column)"
+    if titles:
+        places = [i for i in range(file.count) if i not in file.layout.empty | file.layout.texts]
+        first = written_column(file, places[-1] if places else 0)
+        example = f"--columns 'time=TITLE,accel_x=TITLE' (such as accel_x={first})"
+    return InputError(
+        f"{file.path}: no accelerometer or gyroscope column is recognised "
+        f"({held or f'{file.count} columns'}); name them, for example {example} "
+        "with --units accelerometer=m/s^2,gyroscope=deg/s,time=s"
+    )

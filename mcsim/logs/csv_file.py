@@ -1,19 +1,14 @@
-"""CSV files of many dialects, plain or compressed: header, delimiter, cells.
+"""CSV files of many dialects, plain or compressed: rows of cells made into numbers.
 
-One reader for logs and for the tables of a test bench.  What a column is called and what it
-means is the business of those who ask; errors name the file and the line.
+One reader for logs, recorded drives and the tables of a test bench.  What a column is called
+and what it means is the business of those who ask; errors name the file and the line.
 """
 
 from __future__ import annotations
 
-import bz2
-import gzip
-import lzma
-import re
-import zlib
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+import io
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -21,61 +16,111 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError
+from mcsim.files import likely_size, open_bytes, open_lines
+from mcsim.logs.cells import Notation, holds_nothing, notation_of, number
+from mcsim.logs.layout import Layout, LayoutError, cells_of, find_layout, without_comments
+from mcsim.logs.titles import Title
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Numbers = NDArray[np.float64] | NDArray[np.int64]
+#: Whole numbers stay whole.
+Numbers = NDArray[Any]
 
-_OPENERS: dict[str, Callable[..., Any]] = {".gz": gzip.open, ".xz": lzma.open, ".bz2": bz2.open}
-#: Lines that are looked at to find header and delimiter.
-_LOOKED_AT = 50
-_DELIMITERS = (",", ";", "\t", r"\s+")
-_COMMENT = "#"
-#: Characters of a cell that a message shows.
+#: Lines, and characters, that are looked at to find header and delimiter.
+_LOOKED_AT, _LONGEST_HEAD = 300, 1 << 20
+#: Rows that are read at a time, and the most of all: a day of 300 Hz.
+_CHUNK, _MOST_ROWS = 1 << 17, 30_000_000
+#: Characters of a cell, and of a title, that a message shows.
 _SHOWN = 40
-_WITH_UNIT = re.compile(r"(?P<name>[^\[(]*)[\[(](?P<unit>[^\])]*(?:\([^)]*\))?[^\])]*)[\])]\s*")
-_DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
-
-
-@dataclass(frozen=True)
-class Title:
-    """A column's title as written, and its two parts: ``az [m/s²]``; ``unit`` may be empty."""
-
-    text: str
-    name: str
-    unit: str
+_TABLE = "table"
+_ENCODINGS = {
+    "cp1252": "Windows-1252 (Latin-1)",
+    "utf-16-le": "UTF-16",
+    "utf-16-be": "UTF-16",
+    "utf-32-le": "UTF-32",
+    "utf-32-be": "UTF-32",
+}
 
 
 @dataclass(frozen=True)
 class CsvFile:
     """Where the cells of a file are.
 
-    ``skipped`` lines stand before the first row of cells; ``titles`` are None without a header,
-    which else is in line ``header`` (from 1).  Empty lines and what follows a # are passed over.
+    Empty lines and comments are passed over.  ``notes`` say what was done to read it; they are
+    complete when the numbers are read.
     """
 
     path: Path
-    skipped: int
-    delimiter: str
-    count: int
-    titles: tuple[Title, ...] | None
-    header: int
+    layout: Layout
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def count(self) -> int:
+        """Number of columns."""
+        return self.layout.count
+
+    @property
+    def titles(self) -> tuple[Title, ...] | None:
+        """Titles of the columns, in line ``header``; None without a header."""
+        return self.layout.titles
+
+    @property
+    def header(self) -> int:
+        """Line of the header (from 1); 0 without one."""
+        return self.layout.header
 
     def title(self, place: int) -> str:
         """What a column is called in messages."""
-        return self.titles[place].text if self.titles else f"column {place + 1}"
+        if self.titles is None or not self.titles[place].text:
+            return f"column {place + 1}"
+        return shown(self.titles[place].text)
 
-    def numbers(self, places: Iterable[int]) -> dict[int, Numbers]:
-        """Columns (n,) by place; whole numbers stay whole, since nanoseconds do not fit floats.
+    def place_of(self, name: str) -> int | None:
+        """Place of the column with a title or name, or of ``column 3``; None if there is none.
 
         Raises
         ------
         InputError
-            The file cannot be read, holds no rows, or a cell holds no finite number.
+            Two columns are called so.
         """
-        table = self._read(list(places))
-        return {place: self._finite(place, column) for place, column in table.items()}
+        titles = self.titles or ()
+        for of in ("text", "name"):
+            places = [i for i, title in enumerate(titles) if getattr(title, of) == name]
+            if len(places) > 1:
+                raise InputError(
+                    f'{self.path}: the column "{shown(name)}" occurs twice; name it '
+                    f"column {places[0] + 1} or column {places[1] + 1}"
+                )
+            if places:
+                return places[0]
+        word, _, digits = name.partition(" ")
+        if word == "column" and digits.isdecimal() and 1 <= int(digits) <= self.count:
+            return int(digits) - 1
+        return None
+
+    def numbers(self, places: Iterable[int], unknown: bool = False) -> dict[int, Numbers]:
+        """Columns (n,) by place; whole numbers stay whole, since nanoseconds do not fit floats.
+
+        A last row that was cut off is left out.  With ``unknown``, cells that hold nothing are
+        nan.
+
+        Raises
+        ------
+        InputError
+            The file cannot be read, holds no rows or too many, or a cell holds no finite number.
+        """
+        wanted = list(places)
+        columns = self._read(wanted)
+        last = len(columns[wanted[0]]) - 1
+        whole = all(np.isfinite(column[last]) for column in columns.values())
+        if last > 0 and not whole and self._is_cut():
+            self.notes.append("the last line is cut off: left out")
+            # Anew, since whole numbers beside a missing one have become floats.
+            columns = self._read(wanted, last)
+        for place, column in columns.items():
+            self._refuse(place, np.isinf(column) if unknown else ~np.isfinite(column))
+        return columns
 
     def texts(self, place: int) -> list[str]:
         """Cells of a column as they are written; empty ones as ''.
@@ -85,18 +130,12 @@ class CsvFile:
         InputError
             The file cannot be read, or holds no rows.
         """
-        return [str(cell).strip() for cell in self._read([place], str)[place].fillna("")]
+        chunks = self._chunks([place], kind=str)
+        return [str(c).strip() for chunk in chunks for c in chunk[place].fillna("")]
 
     def line(self, row: int) -> int:
         """Line of the file (from 1) that holds a row (from 0)."""
-        seen = -1
-        with _readable(self.path), _open(self.path) as file:
-            for number, line in enumerate(file, start=1):
-                text = line.strip()
-                seen += number > self.skipped and bool(text) and not text.startswith(_COMMENT)
-                if seen == row:
-                    return number
-        raise IndexError(row)
+        return next((n for i, (n, _) in enumerate(self._rows()) if i == row), 0)
 
     def check_widths(self) -> None:
         """Refuse rows with more cells than the header; for tables of moderate size.
@@ -106,173 +145,208 @@ class CsvFile:
         InputError
             Names the first line at fault.
         """
-        with _readable(self.path), _open(self.path) as file:
-            for number, line in enumerate(file, start=1):
-                text = line.partition(_COMMENT)[0].strip()
-                if number > self.skipped and any(_cells(text, self.delimiter)[self.count :]):
-                    raise InputError(
-                        f"{self.path}:{number}: has more cells than the header, which has "
-                        f"{self.count}"
-                    )
+        for number_, text in self._rows():
+            if any(cells_of(text, self.layout.delimiter)[self.count :]):
+                raise InputError(
+                    f"{self.path}:{number_}: has more cells than the header, which has {self.count}"
+                )
 
-    def _read(self, places: list[int], kind: type | None = None) -> dict[int, pd.Series[Any]]:
+    def _rows(self) -> Iterator[tuple[int, str]]:
+        """Line number and text of each row, as pandas counts them."""
+        blanks = " \t".replace(self.layout.delimiter, "")
+        with open_lines(self.path, what=_TABLE) as (text, _):
+            for place, line in enumerate(text, start=1):
+                row = without_comments(line.rstrip("\n"))
+                if place > self.layout.skipped and row.strip(blanks):
+                    yield place, row
+
+    def _is_cut(self) -> bool:
+        """Whether the last row lacks cells, its line end, or holds null bytes."""
+        last = ""
+        with open_lines(self.path, what=_TABLE) as (text, _):
+            for line in text:
+                last = line if line.strip() else last
+        cells = cells_of(last, self.layout.delimiter)
+        return len(cells) < self.count or not last.endswith("\n") or "\0" in last
+
+    def _read(self, places: list[int], count: int | None = None) -> dict[int, Numbers]:
+        """Columns by place: nan where a cell holds nothing, inf where it holds no number."""
+        self._refuse_many()
+        parts: dict[int, list[Numbers]] = {place: [] for place in places}
+        rows = 0
+        for chunk in self._chunks(places, count=count):
+            rows += len(chunk)
+            if rows > _MOST_ROWS:
+                raise _too_many(self.path)
+            for place, held in parts.items():
+                held.append(self._converted(chunk[place]))
+        if not rows:
+            raise InputError(f"{self.path}: holds a header and no rows of values")
+        return {place: np.concatenate(held) for place, held in parts.items()}
+
+    def _refuse_many(self) -> None:
+        """Count rows before memory is asked for them, where there may be too many."""
+        if likely_size(self.path) / self.layout.row_length <= _MOST_ROWS:
+            return
+        rows = 0
+        with open_bytes(self.path, what=_TABLE) as file:
+            while block := file.read(1 << 20):
+                rows += block.count(b"\n")
+                if rows > _MOST_ROWS:
+                    raise _too_many(self.path)
+
+    def _chunks(
+        self, places: list[int], *, count: int | None = None, kind: type | None = None
+    ) -> Iterator[pd.DataFrame]:
         import pandas as pd
 
-        try:
-            with _readable(self.path):
-                table = pd.read_csv(
-                    self.path,
-                    sep=self.delimiter,
+        layout = self.layout
+        # Quoted cells may hold the delimiter as their decimal sign.
+        decimal = layout.notation.value if layout.notation.value != layout.delimiter else "."
+        with open_lines(self.path, what=_TABLE) as (text, _):
+            for _ in range(layout.skipped):
+                text.readline()
+            try:
+                reader = pd.read_csv(
+                    _Rows(text),
+                    sep=layout.delimiter,
                     header=None,
-                    skiprows=self.skipped,
-                    names=list(range(self.count)),
+                    names=list(range(layout.count)),
                     usecols=places,
                     dtype=kind,
                     skipinitialspace=True,
                     index_col=False,
-                    comment=_COMMENT,
-                    encoding="utf-8-sig",
                     na_values=["-"],
+                    decimal=decimal,
                     engine="c",
                     low_memory=False,
+                    chunksize=_CHUNK,
+                    nrows=count,
                 )
-        except ValueError as error:
-            first = str(error).strip().split("\n")[0]
-            raise InputError(f"{self.path}: not a table of numbers ({first})") from None
-        if not len(table):
-            raise InputError(f"{self.path}: holds a header and no rows of values")
-        return {place: table[place] for place in places}
+            except pd.errors.EmptyDataError:
+                raise InputError(f"{self.path}: holds a header and no rows of values") from None
+            with reader:
+                yield from reader
 
-    def _finite(self, place: int, column: pd.Series[Any]) -> Numbers:
+    def _converted(self, column: pd.Series[Any]) -> Numbers:
         import pandas as pd
 
-        numbers = column.to_numpy()
-        if numbers.dtype.kind not in "iuf":
-            # A real minus sign, as word processors write it.
-            plain = column.astype(str).str.replace("\N{MINUS SIGN}", "-")
-            numbers = pd.to_numeric(plain, errors="coerce").to_numpy(float)
-        bad = ~np.isfinite(numbers)
+        held = column.to_numpy()
+        if held.dtype.kind in "if":
+            return np.asarray(held)
+        texts = column.astype("object").where(column.notna(), None)
+        numbers = pd.to_numeric(texts, errors="coerce").to_numpy(float, copy=True)
+        strange = np.isnan(numbers) & column.notna().to_numpy()
+        if np.any(strange):
+            cells = [str(cell) for cell in texts[strange]]
+            seen = notation_of(cells)
+            # 1,234 alone says neither; what other cells of the table show counts.
+            sure = self.layout.certain or seen.certain or not seen.open
+            found = [number(cell, self.layout.notation) for cell in cells]
+            numbers[strange] = [np.inf if x is None or not sure else x for x in found]
+        return numbers
+
+    def _refuse(self, place: int, bad: NDArray[np.bool_]) -> None:
         if not np.any(bad):
-            return np.asarray(numbers)
+            return
         row = int(np.argmax(bad))
-        cell = column.iloc[row]
-        held = "nothing (or nan)" if pd.isna(cell) else f'"{str(cell).strip()[:_SHOWN]}"'
+        line, text = next((r for i, r in enumerate(self._rows()) if i == row), (0, ""))
+        cells = cells_of(text, self.layout.delimiter)
+        cell = cells[place] if place < len(cells) else ""
+        held = f'"{shown(cell)}"'
+        if holds_nothing(cell) and "inf" not in cell.lower():
+            held = "nothing (or nan)"
         more = int(np.count_nonzero(bad)) - 1
         also = f", and so in {more} more rows" if more else ""
-        if _DECIMAL_COMMA.fullmatch(str(cell)):
-            also += "; write a decimal point, not a comma"
+        if "," in cell:
+            sign = "comma" if self.layout.notation is Notation.COMMA else "point"
+            also += f"; the table's numbers are read with a decimal {sign}"
         raise InputError(
-            f'{self.path}:{self.line(row)}: column "{self.title(place)}" holds {held}, '
+            f'{self.path}:{line}: column "{self.title(place)}" holds {held}, '
             f"where a finite number is needed{also}"
         )
 
 
-def open_csv(path: Path) -> CsvFile:
-    """Find header, delimiter and first row of a file.
+class _Rows(io.TextIOBase):
+    """Text in pieces of whole lines, without comments: what pandas reads."""
 
-    The header is the last line before the numbers that has as many cells; where no row is made
-    of numbers alone, the first line that is no comment.
+    def __init__(self, text: IO[str]) -> None:
+        self._text = text
+
+    def readable(self) -> bool:
+        return True
+
+    def read(self, size: int | None = -1, /) -> str:
+        piece = self._text.read(-1 if size is None else size)
+        if piece and not piece.endswith("\n"):
+            piece += self._text.readline(_LONGEST_HEAD)
+        return without_comments(piece)
+
+
+def open_csv(path: Path) -> CsvFile:
+    """Find encoding, header, delimiter and first row of a file.
 
     Raises
     ------
     InputError
         The file cannot be read, is no text, or holds no rows.
     """
-    lines = _first_lines(path)
-    rows = [i for i, line in enumerate(lines) if line.strip()]
-    if not rows:
-        raise InputError(f"{path}: is empty")
-    for i in rows:
-        for delimiter in _DELIMITERS:
-            cells = _cells(lines[i], delimiter)
-            if len(cells) > 1 and all(_is_number(cell) for cell in cells):
-                return _under_header(path, lines, i, delimiter, len(cells))
-    # A single column, or rows that hold text.
-    first = next((i for i in rows if not lines[i].lstrip().startswith(_COMMENT)), rows[-1])
-    if _is_number(lines[first]):
-        return CsvFile(path, first, ",", 1, None, 0)
-    delimiter = next((d for d in _DELIMITERS[:3] if d in lines[first]), ",")
-    titles = _cells(lines[first].lstrip(_COMMENT), delimiter)
-    if first == rows[-1]:
-        raise InputError(f"{path}: holds a header and no rows of values")
-    return CsvFile(path, first + 1, delimiter, len(titles), _split(titles), first + 1)
-
-
-def split_title(text: str) -> Title:
-    """Name and unit of a title such as ``az [m/s²]`` or ``gyro_x (deg/s)``."""
-    match = _WITH_UNIT.fullmatch(text)
-    if match is None:
-        return Title(text, text.strip(), "")
-    return Title(text, match["name"].strip(), match["unit"].strip())
-
-
-def _split(titles: Iterable[str]) -> tuple[Title, ...]:
-    return tuple(map(split_title, titles))
-
-
-def _under_header(path: Path, lines: list[str], first: int, delimiter: str, count: int) -> CsvFile:
-    """The file whose line ``first`` (from 0) is made of numbers."""
-    for i in range(first - 1, -1, -1):
-        titles = _title_cells(lines[i], delimiter, count)
-        # A row of cells with a text among them is none, and its line is to be named.
-        if titles is not None and not any(map(_is_number, titles)):
-            rows = range(i + 1, first)
-            held = (j for j in rows if any(map(_is_number, _cells(lines[j], delimiter))))
-            return CsvFile(path, next(held, first), delimiter, count, _split(titles), i + 1)
-    return CsvFile(path, first, delimiter, count, None, 0)
-
-
-def _title_cells(line: str, delimiter: str, count: int) -> list[str] | None:
-    text = line.strip().lstrip(_COMMENT).strip()
-    parted = delimiter if delimiter != r"\s+" else r"\s{2,}|\t|(?<=[\])])\s+"
-    cells = [cell.strip() for cell in re.split(parted, text)]
-    if len(cells) == count + 1 and not cells[-1]:
-        cells.pop()
-    if len(cells) != count and delimiter == r"\s+":
-        cells = text.split()
-    return cells if len(cells) == count else None
-
-
-def _cells(line: str, delimiter: str) -> list[str]:
-    text = line.strip()
-    if delimiter != r"\s+" and text.endswith(delimiter):
-        text = text[: -len(delimiter)]
-    return [cell.strip().strip('"') for cell in re.split(delimiter, text)]
-
-
-def _is_number(cell: str) -> bool:
+    with open_lines(path, what=_TABLE) as (text, encoding):
+        content, more = "", True
+        while more and content.count("\n") < _LOOKED_AT and len(content) < _LONGEST_HEAD:
+            piece = text.read(1 << 16)
+            content, more = content + piece, bool(piece)
+    if "\0" in content.rstrip("\0\n"):
+        raise InputError(f"{path}: cannot be read: it is no text (it holds null bytes)")
+    lines = content.split("\n")
+    if more:
+        lines.pop()
+    if not lines:
+        raise InputError(
+            f"{path}: no line ends in the first {_LONGEST_HEAD >> 20} MiB; not a table"
+        )
     try:
-        float(cell.replace("\N{MINUS SIGN}", "-"))
-    except ValueError:
-        return False
-    return True
+        layout = find_layout(lines[:_LOOKED_AT])
+    except LayoutError as error:
+        raise InputError(f"{path}: {error}") from None
+    notes = [] if encoding == "utf-8" else [f"the text is no UTF-8: read as {_ENCODINGS[encoding]}"]
+    return CsvFile(path, layout, notes)
 
 
-def _first_lines(path: Path) -> list[str]:
-    with _readable(path), _open(path) as file:
-        lines = []
-        for line in file:
-            lines.append(line.rstrip("\r\n"))
-            if len(lines) == _LOOKED_AT:
-                break
-        return lines
+def since_first(stamps: Numbers) -> NDArray[np.float64]:
+    """Differences to the first of whole or real numbers (n,), exact where they are whole.
+
+    Whole nanoseconds since 1970 do not fit into floats: the first one goes before.
+    """
+    if stamps.dtype.kind == "i" and abs(float(stamps.max()) - float(stamps.min())) < 2.0**62:
+        return np.asarray(stamps - stamps[0], float)
+    return np.asarray(stamps, float) - float(stamps[0])
 
 
-def _open(path: Path) -> IO[str]:
-    opener = _OPENERS.get(path.suffix.lower(), open)
-    file: IO[str] = opener(path, "rt", encoding="utf-8-sig")
-    return file
+def scaled(values: NDArray[np.float64], factor: float, path: Path, title: str) -> Any:
+    """Values (n,) in SI units.
+
+    Raises
+    ------
+    InputError
+        A value is beyond what a float holds.
+    """
+    with np.errstate(over="ignore"):
+        result = values * factor
+    if not np.all(np.isfinite(result)):
+        largest = float(np.abs(values).max())
+        raise InputError(f'{path}: column "{title}" reaches {largest:.3g}, beyond any use')
+    return result
 
 
-@contextmanager
-def _readable(path: Path) -> Iterator[None]:
-    """Turns what opening and unpacking raise into one message about the file."""
-    try:
-        yield
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not UTF-8 text") from None
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, EOFError, lzma.LZMAError, zlib.error) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot be read ({reason})") from None
+def shown(text: str) -> str:
+    """A title or a cell as messages show it: short, and without control characters."""
+    plain = "".join(c if c.isprintable() else "?" for c in text.strip())
+    return plain if len(plain) <= _SHOWN else plain[: _SHOWN - 1] + "…"
+
+
+def _too_many(path: Path) -> InputError:
+    return InputError(
+        f"{path}: holds more than {_MOST_ROWS // 1_000_000} million rows; cut it into parts, or "
+        "keep every second row (after a low-pass)"
+    )

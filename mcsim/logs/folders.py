@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from mcsim.errors import InputError
-from mcsim.logs.columns import TIME
 from mcsim.logs.model import Array
-from mcsim.logs.table import Table, read_table, read_time
+from mcsim.logs.names import TIME
+from mcsim.logs.table import Table, not_used, read_part, read_table, read_time
 
 #: Where EuRoC and TUM-VI keep the samples, from any folder on the way.
 _EUROC = ("data.csv", "imu0/data.csv", "mav0/imu0/data.csv")
@@ -47,11 +47,15 @@ def _read_gnss_ins_sim(
     values: dict[str, Array] = {}
     notes: list[str] = []
     stated: dict[str, tuple[str, float]] = {}
+    matched: list[set[str]] = []
     for part in parts:
-        table = read_table(part, columns, units)
+        table, unmatched = read_part(part, columns, units)
+        matched.append(set(unmatched))
         values |= table.values
         notes += table.notes
         stated |= table.units
+    if unmatched_by_all := sorted(set.intersection(*matched)):
+        raise InputError(f"{folder}: {not_used(unmatched_by_all)}")
     time = _first(folder, ("time.csv",))
     if time is not None:
         values[TIME] = read_time(time)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from mcsim.errors import InputError, UnitError
-from mcsim.logs.columns import CHANNELS, TIME, assign
-from mcsim.logs.csv_file import open_csv
+from mcsim.logs.columns import assign, said, unmatched_units
+from mcsim.logs.csv_file import open_csv, scaled, since_first
 from mcsim.logs.model import Array
-from mcsim.units import KINDS, canonical_unit, factor
+from mcsim.logs.names import CHANNELS, TIME
+from mcsim.logs.titles import factor_of, shown_unit
+from mcsim.units import KINDS
 
 
 @dataclass(frozen=True)
@@ -31,26 +33,39 @@ def read_table(path: Path, columns: str | None, units: str | None) -> Table:
     Raises
     ------
     InputError
-        The file cannot be read, is empty, or a cell is no finite number.
+        The file cannot be read, is empty, a cell is no finite number, or a stated unit is of no
+        column.
+    """
+    table, unmatched = read_part(path, columns, units)
+    if unmatched:
+        raise InputError(f"{path}: {not_used(unmatched)} ({table.notes[0]})")
+    return table
+
+
+def not_used(unmatched: Sequence[str]) -> str:
+    """What to say of units that were stated and are of no column."""
+    return f"--units {','.join(unmatched)}: no column is one; leave it out, or name it by --columns"
+
+
+def read_part(path: Path, columns: str | None, units: str | None) -> tuple[Table, list[str]]:
+    """As ``read_table``, of a file that may lack columns; with the units that are of none.
+
+    Raises
+    ------
+    InputError
+        As for ``read_table``.
     """
     file = open_csv(path)
-    wanted = assign(file.titles, file.count, columns, units, str(path))
+    wanted = assign(file, columns, units)
     numbers = file.numbers([column.place for column in wanted])
-    notes = []
-    ignored = file.count - len(wanted)
-    if ignored:
-        notes.append(f"{ignored} of {file.count} columns are not used")
     values = {}
     for column in wanted:
         cells = numbers[column.place]
-        if column.name == TIME:
-            # Whole nanoseconds do not fit into floats: the first one goes before.
-            cells = cells - cells[0]
-        values[column.name] = cells.astype(float) * column.factor
-    stated = {
-        CHANNELS[c.name][0]: (canonical_unit(c.unit), c.factor) for c in wanted if c.name != TIME
-    }
-    return Table(values, tuple(notes), stated)
+        plain = since_first(cells) if column.name == TIME else cells.astype(float)
+        values[column.name] = scaled(plain, column.factor, path, column.title)
+    stated = {CHANNELS[c.name][0]: (shown_unit(c.unit), c.factor) for c in wanted if c.name != TIME}
+    table = Table(values, (said(file, wanted), *file.notes), stated)
+    return table, unmatched_units(units, wanted)
 
 
 def read_time(path: Path) -> Array:
@@ -65,8 +80,8 @@ def read_time(path: Path) -> Array:
     if file.count != 1:
         raise InputError(f"{path}: has {file.count} columns, where time alone is expected")
     unit = (file.titles[0].unit if file.titles else "") or "s"
-    stamps = file.numbers([0])[0]
+    stamps = since_first(file.numbers([0])[0])
     try:
-        return (stamps - stamps[0]).astype(float) * factor(unit, KINDS["time"])
+        return scaled(stamps, factor_of(unit, KINDS["time"]), path, file.title(0))
     except UnitError as error:
         raise InputError(f"{path}: {error}") from None

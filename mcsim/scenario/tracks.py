@@ -173,6 +173,9 @@ class Recorded(_Track):
     """Course and heading: clockwise from north, or counter-clockwise from x."""
     pitch_positive: Literal["nose_down", "nose_up"] = "nose_down"
     """Which way the recorded pitch counts: as here (ISO 8855), or as in aviation."""
+    unknown: float | None = None
+    """What the file writes for a value that is not known, beside empty cells; -1 for speed and
+    course is known without it."""
     smoothing: Annotated[Time, Ge(0.01), Le(1e4)] = 0.5
     """Time constant of the smoothing; slower motion passes, faster motion is noise."""
     start: Annotated[Time, NotNegative] = 0.0

@@ -8,7 +8,7 @@ from pathlib import Path
 from mcsim.scenario.tracks import Recorded, Trajectory
 from mcsim.trajectory.drive import CurveManoeuvre, Drive, Motion
 
-__all__ = ["CurveManoeuvre", "Drive", "Motion", "drive_of"]
+__all__ = ["CurveManoeuvre", "Drive", "Motion", "drive_notes", "drive_of"]
 
 
 @lru_cache(maxsize=1024)
@@ -34,3 +34,16 @@ def drive_of(trajectory: Trajectory, folder: Path) -> Drive:
         trajectory.side_slip_profile == "bump",
     )
     return Drive(manoeuvre, trajectory.lead)
+
+
+def drive_notes(trajectory: object, folder: Path) -> tuple[str, ...]:
+    """How a recorded drive was read: its columns, what is unknown; nothing of other tracks.
+
+    Raises
+    ------
+    InputError
+        As ``drive_of``.
+    """
+    if not isinstance(trajectory, Recorded):
+        return ()
+    return tuple(getattr(drive_of(trajectory, folder).manoeuvre, "notes", ()))

@@ -10,19 +10,22 @@ from __future__ import annotations
 
 import difflib
 import math
-import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_smoothing_spline
 
 from mcsim.errors import InputError, UnitError
+from mcsim.logs.columns import Column, said, written_column
+from mcsim.logs.csv_file import CsvFile, Numbers, open_csv, shown, since_first
+from mcsim.logs.titles import factor_of, kind_of
 from mcsim.scenario.tracks import Columns, Recorded
 from mcsim.trajectory.curves import Array
 from mcsim.trajectory.drive import Motion
-from mcsim.units import KINDS, factor
+from mcsim.units import KINDS
 
 _KIND_OF = {
     "time": "time",
@@ -37,6 +40,8 @@ _KIND_OF = {
     "pitch": "angle",
 }
 _FEWEST_ROWS = 8
+#: What is unknown for longer (s) is not bridged.
+_LONGEST_UNKNOWN = 5.0
 #: No time (Unix time in s), position or angle is larger (SI).
 _LARGEST_CELL = 1e11
 #: What rounding makes of a difference of time stamps, as a share of the largest one.
@@ -55,7 +60,10 @@ _SEMI_MAJOR, _FLATTENING = 6378137.0, 1 / 298.257223563
 
 @dataclass(frozen=True)
 class Record:
-    """Columns of the file in SI units; absent ones are None. All arrays have n rows."""
+    """Columns of the file in SI units; absent ones are None. All arrays have n rows.
+
+    What is unknown is nan; ``notes`` say how the file was read.
+    """
 
     time: Array
     x: Array | None
@@ -65,12 +73,28 @@ class Record:
     heading: Array | None
     roll: Array | None = None
     pitch: Array | None = None
+    notes: tuple[str, ...] = ()
+
+    def columns(self) -> dict[str, Array]:
+        """The columns that are there, by name."""
+        return {
+            part.name: value
+            for part in fields(self)
+            if isinstance(value := getattr(self, part.name), np.ndarray)
+        }
+
+    def cut(self, keep: NDArray[np.bool_]) -> Record:
+        """The rows to keep, (n,)."""
+        kept: dict[str, Any] = {name: value[keep] for name, value in self.columns().items()}
+        return replace(self, **kept)
 
 
 class RecordedManoeuvre:
     """The smoothed drive, turned so that ``along`` is the initial direction of movement."""
 
     jumps: tuple[float, ...] = ()
+    #: How the file was read.
+    notes: tuple[str, ...] = ()
 
     def __init__(self, record: Record, smoothing: float) -> None:
         self.duration = float(record.time[-1])
@@ -160,7 +184,11 @@ def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
     """
     path = folder / shape.file
     record = read_record(
-        path, shape.columns, shape.angles == "compass", shape.pitch_positive == "nose_up"
+        path,
+        shape.columns,
+        shape.angles == "compass",
+        shape.pitch_positive == "nose_up",
+        shape.unknown,
     )
     t = record.time - record.time[0]
     # Differences of stamps carry the rounding of the stamps: a row on an end is inside.
@@ -173,57 +201,76 @@ def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
             f"{path}: {np.count_nonzero(keep)} rows between `start` and the end of `duration`; "
             f"at least {_FEWEST_ROWS} are needed (the record lasts {t[-1]:.6g} s)"
         )
-
-    def cut(values: Array | None) -> Array | None:
-        return None if values is None else values[keep]
-
-    t = t[keep]
-    return RecordedManoeuvre(
-        Record(
-            t - t[0],
-            cut(record.x),
-            cut(record.y),
-            cut(record.velocity_x),
-            cut(record.velocity_y),
-            cut(record.heading),
-            cut(record.roll),
-            cut(record.pitch),
-        ),
-        shape.smoothing,
-    )
+    cut, unknown = _known(path, record.cut(keep))
+    manoeuvre = RecordedManoeuvre(replace(cut, time=cut.time - cut.time[0]), shape.smoothing)
+    manoeuvre.notes = (*record.notes, *unknown)
+    return manoeuvre
 
 
-def read_record(path: Path, columns: Columns, compass: bool, nose_up: bool = False) -> Record:
+def _known(path: Path, record: Record) -> tuple[Record, tuple[str, ...]]:
+    """The rows of which everything is known, and what to say of the others.
+
+    Raises
+    ------
+    InputError
+        Too few are left, or what is unknown lasts too long to be bridged.
+    """
+    known = np.logical_and.reduce([np.isfinite(column) for column in record.columns().values()])
+    missing = int(np.count_nonzero(~known))
+    if not missing:
+        return record, ()
+    start = record.time[0]
+    where = np.flatnonzero(known)
+    told = f"{missing} of {len(known)} rows hold no value in a column that is used"
+    way_out = "cut the drive by `start` and `duration`, or use other columns"
+    if len(where) < _FEWEST_ROWS:
+        raise InputError(f"{path}: {told}; {len(where)} are left; {way_out}")
+    gaps = np.diff(record.time[where])
+    bridged = np.diff(where) > 1
+    longest = float(np.max(gaps, where=bridged, initial=0.0))
+    if longest > _LONGEST_UNKNOWN:
+        at = record.time[where[int(np.argmax(np.where(bridged, gaps, 0.0)))]] - start
+        raise InputError(
+            f"{path}: {told}, for {longest:.3g} s from {at:.6g} s on: too long to be bridged "
+            f"({_LONGEST_UNKNOWN:g} s are); {way_out}"
+        )
+    note = f"{told}: left out"
+    if where[0] > 0:
+        note += f"; the drive begins {record.time[where[0]] - start:.3g} s later"
+    if longest:
+        note += f"; up to {longest:.3g} s are bridged"
+    return record.cut(known), (note,)
+
+
+def read_record(
+    path: Path,
+    columns: Columns,
+    compass: bool,
+    nose_up: bool = False,
+    unknown: float | None = None,
+) -> Record:
     """Read and convert the columns of a CSV file.
+
+    ``unknown`` stands, as written in the file, for a value that is not known; so does an empty
+    cell, and a speed or course of -1 where no other is negative.  Such values are nan.
 
     Raises
     ------
     InputError
         See ``load_drive``.
     """
-    import pandas as pd
-
-    if not path.is_file():
-        raise InputError(f"{path}: no such file (trajectory.file)")
-    try:
-        with warnings.catch_warnings():
-            # A delimiter at the end of each row is harmless; it must not shift the columns.
-            warnings.simplefilter("ignore", pd.errors.ParserWarning)
-            table = pd.read_csv(path, skipinitialspace=True, index_col=False)
-        table.columns = [str(name).strip() for name in table.columns]
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not UTF-8 text (trajectory.file)") from None
-    except (OSError, ValueError) as error:  # parser errors are ValueErrors
-        raise InputError(f"{path}: not a CSV table ({error})") from None
-    values = {
-        role: _column(table, path, role, spec)
-        for role, spec in columns.model_dump().items()
-        if spec is not None
-    }
+    file = open_csv(path)
+    specs = {role: spec for role, spec in columns.model_dump().items() if spec is not None}
+    chosen = {role: _column(file, role, spec) for role, spec in specs.items()}
+    cells = file.numbers([column.place for column in chosen.values()], unknown=True)
+    values, notes = {}, [said(file, list(chosen.values())), *file.notes]
+    for role, column in chosen.items():
+        values[role], note = _values(file, role, column, cells[column.place], unknown)
+        notes += [note] if note else []
     time = values["time"]
     if len(time) < _FEWEST_ROWS:
         raise InputError(f"{path}: {len(time)} rows; at least {_FEWEST_ROWS} are needed")
-    time, values = _in_order(path, time, values)
+    time, values = _in_order(file, time, values)
     x, y = _position(values)
 
     def turn(angle: Array) -> Array:
@@ -231,14 +278,90 @@ def read_record(path: Path, columns: Columns, compass: bool, nose_up: bool = Fal
 
     velocity_x = velocity_y = None
     if "course" in values:
-        course = turn(values["course"])
-        velocity_x = values["speed"] * np.cos(course)
-        velocity_y = values["speed"] * np.sin(course)
+        # Without motion there is no course, and the velocity is known all the same.
+        still = np.isnan(values["course"]) & (np.abs(values["speed"]) < _STANDSTILL)
+        course = turn(np.where(still, 0.0, values["course"]))
+        speed = np.where(still, 0.0, values["speed"])
+        velocity_x, velocity_y = speed * np.cos(course), speed * np.sin(course)
     heading = turn(values["heading"]) if "heading" in values else None
     pitch = values.get("pitch")
     if pitch is not None and nose_up:
         pitch = -pitch
-    return Record(time, x, y, velocity_x, velocity_y, heading, values.get("roll"), pitch)
+    return Record(
+        time, x, y, velocity_x, velocity_y, heading, values.get("roll"), pitch, tuple(notes)
+    )
+
+
+def _column(file: CsvFile, role: str, spec: str) -> Column:
+    """The column of a role, its unit from the scenario or from the header."""
+    name, separator, unit = spec.rpartition(" in ")
+    name = name.strip() if separator else spec.strip()
+    kind = KINDS[_KIND_OF[role]]
+    place = file.place_of(name)
+    if place is None:
+        held = [written_column(file, i) for i in range(file.count)]
+        close = difflib.get_close_matches(name, held, n=1)
+        hint = f'; did you mean "{close[0]}"?' if close else ""
+        raise InputError(
+            f'{file.path}: no column "{shown(name)}" for {role}{hint} (columns: {", ".join(held)})'
+        )
+    own = file.titles[place].unit if file.titles else ""
+    if not (unit.strip() if separator else own):
+        example = kind.example.split()[1]
+        raise InputError(
+            f'trajectory.columns.{role}: "{spec}" has no unit; '
+            f'write for example "{spec} in {example}"'
+        )
+    try:
+        scale = factor_of(unit if separator else own, kind)
+    except UnitError as error:
+        raise InputError(f"trajectory.columns.{role}: {error}") from None
+    stated = kind_of(own) if own else None
+    if separator and stated is kind and not math.isclose(factor_of(own, kind), scale):
+        raise InputError(
+            f'trajectory.columns.{role}: "{spec}", but the header of {file.path} says '
+            f'"{file.title(place)}"; correct one'
+        )
+    return Column(place, file.title(place), role, scale, unit.strip() if separator else own)
+
+
+def _values(
+    file: CsvFile, role: str, column: Column, cells: Numbers, unknown: float | None
+) -> tuple[Array, str]:
+    """Values (n,) of a role in SI units, nan where they are unknown, and what to say of those."""
+    held = since_first(cells) if role == "time" else np.asarray(cells, float)
+    missing = np.isnan(held)
+    said_so = f"{unknown:g}" if unknown is not None else "-1"
+    if role != "time" and unknown is not None:
+        missing |= held == unknown
+    elif role in ("speed", "course", "heading"):
+        # Receivers and phones write -1; of speeds and compass angles no other is negative.
+        negative = held < 0.0
+        if np.all(held[negative] == -1.0):
+            missing |= negative
+    known = np.where(missing, 0.0, held)
+    limit = math.pi / 2.0 if role == "latitude" else _LARGEST_CELL
+    with np.errstate(over="ignore"):
+        values = known * column.factor
+    bad = ~(np.abs(values) <= limit * (1.0 + 1e-12))
+    needed = "an angle within ±90 °" if role == "latitude" else "a finite number"
+    if role == "speed" and not np.any(bad):
+        bad = values < 0.0
+        needed = "a speed that is not negative (or the scenario's `unknown: -1`)"
+    if role == "time" and not np.any(bad):
+        bad = missing
+    if np.any(bad):
+        row = int(np.argmax(bad))
+        cell = "nothing" if missing[row] else f'"{float(cells[row]):.6g}"'
+        raise InputError(
+            f'{file.path}:{file.line(row)}: column "{column.title}" holds {cell}, where {needed} '
+            "is needed"
+        )
+    count = int(np.count_nonzero(missing))
+    note = ""
+    if count:
+        note = f"{role}: {count} of {len(held)} values are unknown (empty or {said_so})"
+    return np.where(missing, np.nan, values), note
 
 
 def fresh_fixes(time: Array, x: Array, y: Array) -> NDArray[np.bool_]:
@@ -254,50 +377,15 @@ def fresh_fixes(time: Array, x: Array, y: Array) -> NDArray[np.bool_]:
     return keep
 
 
-def _column(table, path: Path, role: str, spec: str) -> Array:  # type: ignore[no-untyped-def]
-    import pandas as pd
-
-    name, separator, unit = spec.rpartition(" in ")
-    if not separator:
-        example = KINDS[_KIND_OF[role]].example.split()[1]
-        raise InputError(
-            f'trajectory.columns.{role}: "{spec}" has no unit; '
-            f'write for example "{spec} in {example}"'
-        )
-    try:
-        scale = factor(unit.strip(), KINDS[_KIND_OF[role]], spec)
-    except UnitError as error:
-        raise InputError(f"trajectory.columns.{role}: {error}") from None
-    name = name.strip()
-    if name not in table.columns:
-        close = difflib.get_close_matches(name, list(map(str, table.columns)), n=1)
-        hint = f'; did you mean "{close[0]}"?' if close else ""
-        raise InputError(
-            f'{path}: no column "{name}" for {role}{hint} '
-            f"(columns: {', '.join(map(str, table.columns))})"
-        )
-    if f"{name}.1" in table.columns:
-        raise InputError(f'{path}: the column "{name}" occurs twice; rename one')
-    numbers = pd.to_numeric(table[name], errors="coerce").to_numpy(float)
-    limit = math.pi / 2.0 if role == "latitude" else _LARGEST_CELL
-    bad = ~(np.abs(numbers * scale) <= limit * (1.0 + 1e-12))
-    if np.any(bad):
-        row = int(np.argmax(bad))
-        cell = table[name].iloc[row]
-        held = "nothing" if pd.isna(cell) else f'"{cell}"'
-        needed = "an angle within ±90 °" if role == "latitude" else "a finite number"
-        raise InputError(
-            f'{path}:{row + 2}: column "{name}" holds {held}, where {needed} is needed'
-        )
-    return numbers * scale
-
-
-def _in_order(path: Path, time: Array, values: dict[str, Array]) -> tuple[Array, dict[str, Array]]:
+def _in_order(
+    file: CsvFile, time: Array, values: dict[str, Array]
+) -> tuple[Array, dict[str, Array]]:
     """Drop rows that repeat a time stamp; refuse stamps that run backwards."""
     steps = np.diff(time)
     if np.any(steps < 0.0):
         row = int(np.argmax(steps < 0.0)) + 1
-        raise InputError(f"{path}:{row + 2}: the time runs backwards by {-steps[row - 1]:.6g} s")
+        line = file.line(row)
+        raise InputError(f"{file.path}:{line}: the time runs backwards by {-steps[row - 1]:.6g} s")
     keep = np.concatenate([[True], steps > 0.0])
     return time[keep], {role: column[keep] for role, column in values.items()}
 

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError, UnitError
-from mcsim.logs.csv_file import CsvFile, Title, open_csv
-from mcsim.units import KINDS, Kind, factor
+from mcsim.logs.columns import Column, said, time_column, written_column
+from mcsim.logs.csv_file import CsvFile, open_csv, scaled, since_first
+from mcsim.logs.names import is_acceleration
+from mcsim.logs.titles import Title, factor_of, kind_of
+from mcsim.units import KINDS, Kind
 
 Array = NDArray[np.float64]
 
 _FEWEST_ROWS = 64
-_TIME_NAMES = ("time", "t", "timestamp")
 #: Time stamps that stray further from an even grid (share of the step) are evened out.
 _JITTER = 0.02
 #: Stamps that stray by more steps have no one rate.
@@ -32,7 +34,8 @@ _LOWEST_RATE, _HIGHEST_RATE = 0.05, 1e6
 class Log:
     """Evenly sampled channels of one kind.
 
-    ``samples`` (n, channels) are in SI units, ``rate`` in Hz; ``notes`` say what was done to them.
+    ``samples`` (n, channels) are in SI units, ``rate`` in Hz; ``notes`` say what was done to them,
+    ``remarks`` how the file was read.
     """
 
     name: str
@@ -40,20 +43,13 @@ class Log:
     samples: Array
     rate: float
     notes: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def time(self) -> Array:
         """Seconds since the first sample, (n,)."""
         seconds: Array = np.arange(len(self.samples), dtype=float) / self.rate
         return seconds
-
-
-@dataclass(frozen=True)
-class _Stamps:
-    """The column of the time stamps, and the SI value of its unit."""
-
-    place: int
-    factor: float
 
 
 def read_vibration_log(
@@ -74,13 +70,14 @@ def read_vibration_log(
     kind : str
         Kind of quantity, a key of ``mcsim.units.KINDS``; other columns are left aside.
     unit : str, optional
-        Unit of columns whose header has none.
+        Unit of columns whose header has none: of ``channels``, else of those that are
+        accelerations by their name.
     rate : float, optional
         Sampling rate (Hz), for a file without a time column.
     channels : tuple of str
-        Names of the columns to take; all that fit if empty.
+        Titles or names of the columns to take, or ``column 3``; all that fit if empty.
     time : str, optional
-        Column of the time stamps as ``NAME in UNIT``; ``time``, ``t`` or ``timestamp`` if absent.
+        Column of the time stamps as ``NAME in UNIT``; the one whose name says so if absent.
 
     Raises
     ------
@@ -89,33 +86,30 @@ def read_vibration_log(
         that is constant or beyond use, or stamps that contradict the rate.
     """
     file = open_csv(path)
-    if file.titles is None:
-        raise InputError(
-            f"{path}: has no header; write one such as `time [s],az [{KINDS[kind].si_unit}]`"
-        )
-    stamps = _stamps(path, file.titles, time)
-    others = {
-        place: title
-        for place, title in enumerate(file.titles)
-        if stamps is None or place != stamps.place
-    }
-    chosen = _choose(path, others, kind, unit, channels)
+    stamps = _stamps(file, time)
+    chosen = _choose(file, kind, unit, channels, stamps)
     cells = file.numbers([*chosen, *([stamps.place] if stamps else [])])
     count = len(next(iter(cells.values())))
     if count < _FEWEST_ROWS:
         told = "1 row is" if count == 1 else f"{count} rows are"
         raise InputError(f"{path}: {told} too few; at least {_FEWEST_ROWS}")
-    values = np.column_stack([cells[place] * si for place, si in chosen.items()])
-    names = tuple(others[place].name for place in chosen)
+    values = np.column_stack(
+        [scaled(cells[c.place], c.factor, path, c.title) for c in chosen.values()]
+    )
+    names = tuple(column.name for column in chosen.values())
     _refuse_dead(path, names, values, KINDS[kind])
+    columns = [*([stamps] if stamps else []), *chosen.values()]
     if stamps is not None:
-        column = cells[stamps.place]
-        # Whole nanoseconds do not fit into floats: the first one goes before.
-        seconds = (column - column[0]).astype(float) * stamps.factor
-        return _evenly(file, names, seconds, values, rate)
-    if rate is None:
-        raise InputError(f"{path}: no time column (such as `time [s]`); give --rate '100 Hz'")
-    return Log(_name(path), names, values, rate)
+        seconds = scaled(since_first(cells[stamps.place]), stamps.factor, path, stamps.title)
+        log = _evenly(file, names, seconds, values, rate)
+    elif rate is None:
+        raise InputError(
+            f"{path}: no time column (such as `time [s]`); name one with --time 'NAME in UNIT', or "
+            "give --rate '100 Hz'"
+        )
+    else:
+        log = Log(_name(path), names, values, rate)
+    return replace(log, remarks=(said(file, columns), *file.notes))
 
 
 def _name(path: Path) -> str:
@@ -123,56 +117,94 @@ def _name(path: Path) -> str:
     return path.name.removesuffix(path.suffix).removesuffix(".csv")
 
 
-def _stamps(path: Path, titles: tuple[Title, ...], given: str | None) -> _Stamps | None:
+def _stamps(file: CsvFile, given: str | None) -> Column | None:
+    """The column of the time stamps; its unit is stated, never taken for granted."""
+    stated = ""
     if given is not None:
-        name, _, unit = (part.strip() for part in given.partition(" in "))
-        places = [place for place, title in enumerate(titles) if title.name == name]
-        if not places:
-            raise InputError(f'{path}: no column "{name}" for the time')
-        return _Stamps(places[0], _factor(path, titles[places[0]], unit or "s", "time"))
-    for place, title in enumerate(titles):
-        if title.name.casefold() in _TIME_NAMES:
-            return _Stamps(place, _factor(path, title, title.unit or "s", "time"))
-    return None
+        name, _, stated = (part.strip() for part in given.partition(" in "))
+        place = file.place_of(name)
+        if place is None:
+            raise InputError(f'{file.path}: no column "{name}" for the time (it has {_held(file)})')
+    elif file.titles is None or (place := time_column(file)) is None:
+        return None
+    unit = stated or (file.titles[place].unit if file.titles else "")
+    title = file.title(place)
+    if not unit:
+        raise InputError(
+            f'{file.path}: the time column "{title}" has no unit; write "{title} [s]" into the '
+            f"header, or give --time '{written_column(file, place)} in ms' (or s, µs, ns)"
+        )
+    return Column(place, title, "time", _factor(file, place, unit, "time"), unit)
 
 
 def _choose(
-    path: Path,
-    titles: dict[int, Title],
+    file: CsvFile,
     kind: str,
     unit: str | None,
     channels: tuple[str, ...],
-) -> dict[int, float]:
-    """Places of the columns to take, with the SI value of their unit."""
-    places = {title.name: place for place, title in titles.items()}
-    for channel in channels:
-        if channel not in places:
-            raise InputError(f'{path}: no column "{channel}" (it has {", ".join(places)})')
-    found = {}
-    for place in [places[channel] for channel in channels] or titles:
-        title = titles[place]
-        own = title.unit or unit
+    stamps: Column | None,
+) -> dict[int, Column]:
+    """The columns to take, by place: those named, else those whose unit or name fits.
+
+    ``unit`` is that of columns whose header has none: of those that are named, else of those
+    whose name is an acceleration's.
+    """
+    named = [_place(file, channel) for channel in channels]
+    others = [i for i in range(file.count) if stamps is None or i != stamps.place]
+    found: dict[int, Column] = {}
+    used = False
+    for place in named or [i for i in others if i not in file.layout.empty]:
+        title = file.titles[place] if file.titles else Title("", "", "")
+        fits = bool(channels) or (kind == "acceleration" and is_acceleration(title.name))
+        own = title.unit or (unit if fits else None) or ""
         if not own and channels:
             si_unit = KINDS[kind].si_unit
-            raise InputError(f"{path}: {title.text}: has no unit; give --unit '{si_unit}'")
-        try:
-            found[place] = factor(own or "", KINDS[kind])
-        except UnitError as error:
-            if channels:
-                raise InputError(f"{path}: {title.text}: {error}") from None
+            raise InputError(
+                f"{file.path}: {file.title(place)}: has no unit; give --unit '{si_unit}'"
+            )
+        if not channels and not _fits(own, kind, bool(title.unit)):
+            continue
+        used = used or not title.unit
+        name = title.name or file.title(place)
+        found[place] = Column(place, file.title(place), name, _factor(file, place, own, kind), own)
     if not found:
         raise InputError(
-            f"{path}: no column with a unit of {KINDS[kind]}; write headers such as "
-            f"`az [{KINDS[kind].si_unit}]`, or name the columns with --channel and --unit"
+            f"{file.path}: no column with a unit of {KINDS[kind]} (it has {_held(file)}); write "
+            f"headers such as `az [{KINDS[kind].si_unit}]`, or name the columns with --channel and "
+            f"give --unit '{KINDS[kind].si_unit}'"
         )
+    if unit is not None and not used:
+        raise InputError(
+            f"{file.path}: --unit {unit}: every column that is used has its unit in the header; "
+            "leave --unit out, or name columns without a unit with --channel"
+        )
+    if len({column.name for column in found.values()}) < len(found):
+        found = {place: replace(c, name=f"column {place + 1}") for place, c in found.items()}
     return found
 
 
-def _factor(path: Path, title: Title, unit: str, kind: str) -> float:
+def _fits(unit: str, kind: str, stated: bool) -> bool:
+    """Whether a column's unit is of the kind; a unit from the command line is to be right."""
+    found = kind_of(unit) if unit else None
+    return unit != "" and (not stated or (found is not None and found.name == kind))
+
+
+def _place(file: CsvFile, channel: str) -> int:
+    place = file.place_of(channel)
+    if place is None:
+        raise InputError(f'{file.path}: no column "{channel}" (it has {_held(file)})')
+    return place
+
+
+def _held(file: CsvFile) -> str:
+    return ", ".join(written_column(file, place) for place in range(file.count))
+
+
+def _factor(file: CsvFile, place: int, unit: str, kind: str) -> float:
     try:
-        return factor(unit, KINDS[kind])
+        return factor_of(unit, KINDS[kind])
     except UnitError as error:
-        raise InputError(f"{path}: {title.text}: {error}") from None
+        raise InputError(f"{file.path}: {file.title(place)}: {error}") from None
 
 
 def _refuse_dead(path: Path, names: tuple[str, ...], values: Array, kind: Kind) -> None:
