@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -37,6 +38,7 @@ _MOST_HISTORY_STATES, _FEWEST_HISTORY_REALIZATIONS = 3_000_000, 200
 _MOST_HISTORY_ROWS = 20_000_000
 #: Smaller shares of the variance are rounding.
 _LEAST_SHARE = 1e-20
+_NUMBER = re.compile(r"\d[\d.,e+-]*")
 
 
 @dataclass(frozen=True)
@@ -165,7 +167,7 @@ def _point_rows(point: Point, result: PointResult) -> Iterator[tuple[Any, ...]]:
     estimates = result.estimates
     for i, row in enumerate(point.model.error_rows):
         missing = bool(np.isnan(result.method[i]))
-        note = result.notes.get(row.label, "")
+        note = "; ".join(filter(None, [result.notes.get(row.label, ""), *result.limits]))
         for j, statistic in enumerate(statistics_of(point.model)):
             if statistic == METHOD:
                 numbers = [result.method[i]] * 3
@@ -178,7 +180,7 @@ def _point_rows(point: Point, result: PointResult) -> Iterator[tuple[Any, ...]]:
                 *(float(in_table_unit(row.name, number)) for number in numbers),
                 row.unit,
                 result.realizations,
-                note if missing or statistic != METHOD else "",
+                note if missing or statistic != METHOD else "; ".join(result.limits),
             )
 
 
@@ -299,14 +301,22 @@ def _tracks_frame(coordinates: dict[str, Any], history: Any, count: int) -> pd.D
 
 def _remarks(scenario: Scenario, sweep: SweepResult) -> list[str]:
     """Notes of all points, each said once with the number of points that it holds for."""
-    affected: dict[tuple[str, str], int] = {}
+    affected: dict[str, list[str]] = {}
     for result in sweep.points.values():
-        for name, note in result.notes.items():
-            affected[name, note] = affected.get((name, note), 0) + 1
-    return [
-        f"{name}: {note}" + (f" ({n} of {scenario.n_points} points)" if scenario.axes else "")
-        for (name, note), n in affected.items()
-    ]
+        notes = [f"{name}: {note}" for name, note in result.notes.items()]
+        for remark in [*notes, *result.limits]:
+            # Remarks that differ by their numbers alone are one.
+            affected.setdefault(_NUMBER.sub("#", remark), []).append(remark)
+    return [_of_points(remarks, scenario) for remarks in affected.values()]
+
+
+def _of_points(remarks: list[str], scenario: Scenario) -> str:
+    if not scenario.axes:
+        return remarks[0]
+    where = f"{len(remarks)} of {scenario.n_points} points"
+    if len(set(remarks)) > 1:
+        where += ", the first of them quoted"
+    return f"{remarks[0]} ({where})"
 
 
 def _provenance(

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from mcsim.cases.lengths import length_quantile
+from mcsim.cases.limits import duration_limits
 from mcsim.cases.planar import (
     CHANNELS,
     PlanarProblem,
@@ -22,7 +23,7 @@ from mcsim.cases.planar import (
     wrap,
 )
 from mcsim.cases.planar_linear import beyond_controls
-from mcsim.cases.problem import Array, History, LinearModel, Sample
+from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.cases.strapdown import CHANNELS as ALL_CHANNELS
 from mcsim.cases.strapdown import RATES as ALL_RATES
 from mcsim.cases.strapdown import sampled
@@ -75,6 +76,7 @@ class LevelProblem:
             trapezoidal=model.reconstruction.integration == "trapezoidal",
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
             missing=course_missing(drive.drive),
+            beyond_rate=samples.beyond_rate[: len(CHANNELS)],
         )
         return cls(planar, samples.truth)
 
@@ -139,7 +141,17 @@ class LevelProblem:
             control_second,
             variances,
             {_POSITION: lambda p: length_quantile(method[:3], place, p)},
+            spike_events=self._complete_events(),
         )
+
+    def _complete_events(self) -> Array:
+        events = np.zeros(8)
+        events[_PLANAR] = self.planar.linear.spike_events
+        return events
+
+    def limits(self, key: int, count: int) -> tuple[Limit, ...]:
+        duration = self.n_samples * self.planar.interval
+        return (*self.planar.limits(key, count), *duration_limits(duration))
 
     def history(self, key: int, first: int, count: int) -> History:
         history = self.planar.history(key, first, count)
