@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import threading
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -26,6 +26,7 @@ from mcsim.statistics import (
     estimate,
     statistic_names,
 )
+from mcsim.statistics.collector import MOST_NETS, cell_size
 
 Array = NDArray[np.float64]
 
@@ -94,31 +95,45 @@ def run_point(
     if settings.estimator == "linear":
         return _linear_point(problem, settings, key)
     bootstrap_key = random_key(settings.seed, "bootstrap")
-    count = settings.realizations or min(_FIRST_COUNT, settings.max_realizations)
+    count = settings.realizations or min(_FIRST_COUNT, settings.most_realizations)
     limits = problem.limits(key, min(count, LOOKED_AT))
     notes: Notes = {}
     told = _Told(progress)
     while True:
-        reference = _reference(problem, settings, count, limits)
-        collector = Collector(count, reference, nets=settings.offsets == "sobol")
-        _fill(collector, problem, key, threads, told.begin())
+        collector = collect(problem, settings, count, limits, key, threads, told.begin())
         estimates = estimate(collector, settings.confidence, settings.resamples, bootstrap_key)
         if settings.precision is None:
             break
         wider = _widest(estimates) / settings.precision
         if wider <= 1.0:
             break
-        if count >= settings.max_realizations:
+        if count >= settings.most_realizations:
             for i, name in enumerate(problem.error_names):
                 if _relative_width(estimates)[i] > settings.precision:
                     _add(notes, name, f"precision not reached with {count} realizations")
             break
         # Widths shrink with the root of the count; a tenth more spares a further round.
         wanted = int(np.ceil(1.1 * count * wider**2))
-        count = min(max(wanted, 2 * count), settings.max_realizations)
+        count = min(max(wanted, 2 * count), settings.most_realizations)
     _note_degenerate(problem, estimates, count, notes)
     _note_uncertain(problem, settings, estimates, count, notes)
-    return _result(problem, estimates, count, notes, limits)
+    return _result(problem, estimates, count, notes, [*limits, *_without_effect(settings, count)])
+
+
+def collect(
+    problem: Problem,
+    settings: MonteCarlo,
+    count: int,
+    limits: Sequence[Limit],
+    key: int,
+    threads: int = 1,
+    progress: Callable[[int], None] = lambda _: None,
+) -> Collector:
+    """``count`` realizations of a problem that reaches ``limits``, ready for estimates."""
+    reference = _reference(problem, settings, count, limits)
+    collector = Collector(count, reference, nets=settings.offsets == "sobol")
+    _fill(collector, problem, key, threads, progress)
+    return collector
 
 
 class _Told:
@@ -302,11 +317,31 @@ def _widest(estimates: Estimates) -> float:
 
 
 def _note_degenerate(problem: Problem, estimates: Estimates, count: int, notes: Notes) -> None:
-    for name, degenerate in zip(problem.error_names, estimates.degenerate, strict=True):
+    linear = np.sum(list(problem.linear.variances.values()), axis=0)
+    for i, (name, degenerate) in enumerate(
+        zip(problem.error_names, estimates.degenerate, strict=True)
+    ):
         if count == 1:
             _add(notes, name, "one realization: no scatter and no interval follow from it")
+        elif degenerate and linear[i] > 0.0:
+            _add(notes, name, "all realizations are equal: what disturbs this error does not show")
         elif degenerate:
             _add(notes, name, "all realizations are equal: nothing disturbs this error")
+
+
+def _without_effect(settings: MonteCarlo, count: int) -> Iterator[Limit]:
+    """What is written and does nothing with so few realizations."""
+    written = settings.model_fields_set
+    controlled = "estimator" in written and settings.estimator == "control_variate"
+    if controlled and count < FEWEST_CONTROLLED:
+        yield Limit(
+            f"estimator: control variates take {FEWEST_CONTROLLED} realizations; the plain "
+            "estimator served"
+        )
+    if settings.offsets == "sobol" and cell_size(count, nets=True) == 1:
+        yield Limit(
+            f"offsets: Sobol points take more than {MOST_NETS} realizations; these are random"
+        )
 
 
 def _note_uncertain(

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mcsim.cases import problem_of
-from mcsim.engine import PointResult, point_key
+from mcsim.engine import PointResult
 from mcsim.errors import InputError
+from mcsim.over_time import HISTORY_STATISTICS, TIME, over_time
 from mcsim.scenario import UNITS, CaseScenario, ErrorRow, Point, Scenario
 from mcsim.statistics import statistic_names
 from mcsim.sweep import SweepResult, check_points, describe_point
@@ -26,15 +26,8 @@ if TYPE_CHECKING:
 
 #: Columns of the table after those of the swept paths.
 COLUMNS = ("error", "statistic", "value", "ci_low", "ci_high", "unit", "realizations", "note")
-#: The column of the instant, in cases that report errors at several.
-TIME = "time [s]"
 #: What rows hold besides estimates: the error of the undisturbed reconstruction.
 METHOD = "method"
-HISTORY_STATISTICS = ("mean", "std", "rms", "p05", "p50", "p95")
-#: Realizations that histories are estimated from, at most.
-HISTORY_REALIZATIONS = 4000
-#: Long drives have smaller ensembles, so that histories fit in memory (samples x realizations).
-_MOST_HISTORY_STATES, _FEWEST_HISTORY_REALIZATIONS = 3_000_000, 200
 _MOST_HISTORY_ROWS = 20_000_000
 #: Smaller shares of the variance are rounding.
 _LEAST_SHARE = 1e-20
@@ -104,7 +97,7 @@ def check(scenario: Scenario) -> None:
 def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
     """Turn the points' results into tables."""
     remarks = _remarks(scenario, sweep)
-    history, tracks = _over_time(scenario)
+    history, tracks = over_time(scenario, sweep)
     return Results(
         scenario=scenario,
         table=_table(scenario, sweep),
@@ -204,99 +197,6 @@ def _budget(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
                     rows.append((*_coordinates(point, row), row.name, source, std, share, row.unit))
     columns = _coordinate_columns(scenario)
     return pd.DataFrame(rows, columns=[*columns, "error", "source", "std", "share", "unit"])
-
-
-def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | None]:
-    """Histories and sample tracks of every point, if asked for."""
-    import pandas as pd
-
-    outputs = scenario.base.outputs
-    if not outputs.history and not outputs.tracks:
-        return None, None
-    histories, tracks = [], []
-    for point in scenario.points:
-        settings = point.model.monte_carlo
-        problem = problem_of(point.model, scenario.folder)
-        samples = problem.n_samples + 1
-        count = min(
-            settings.realizations or HISTORY_REALIZATIONS,
-            HISTORY_REALIZATIONS,
-            max(_FEWEST_HISTORY_REALIZATIONS, _MOST_HISTORY_STATES // samples),
-        )
-        n_tracks = min(outputs.tracks, settings.realizations or outputs.tracks)
-        if not outputs.history:
-            count = n_tracks
-        history = problem.history(point_key(settings, point.identities), 0, max(count, n_tracks))
-        coordinates = {
-            axis.column: value for axis, value in zip(scenario.axes, point.values, strict=True)
-        }
-        if outputs.history:
-            names = point.model.ERRORS
-            errors = history.errors[..., :count]
-            histories.append(_history_frame(coordinates, history.time, names, errors))
-        if outputs.tracks:
-            tracks.append(_tracks_frame(coordinates, history, n_tracks))
-    return (
-        pd.concat(histories, ignore_index=True) if histories else None,
-        pd.concat(tracks, ignore_index=True) if tracks else None,
-    )
-
-
-def _history_frame(
-    coordinates: dict[str, Any], time: Any, names: tuple[str, ...], errors: Any
-) -> pd.DataFrame:
-    import pandas as pd
-
-    count = errors.shape[-1]
-    mean = errors.mean(axis=-1)
-    p05, p50, p95 = np.quantile(errors, (0.05, 0.5, 0.95), axis=-1)
-    values = {
-        "mean": mean,
-        "std": errors.std(axis=-1),
-        "rms": np.sqrt(np.mean(errors**2, axis=-1)),
-        "p05": p05,
-        "p50": p50,
-        "p95": p95,
-    }
-    return pd.concat(
-        [
-            pd.DataFrame(
-                {
-                    **coordinates,
-                    TIME: time,
-                    "error": name,
-                    "statistic": statistic,
-                    "value": in_table_unit(name, values[statistic][i]),
-                    "unit": UNITS[name],
-                    "realizations": count,
-                }
-            )
-            for i, name in enumerate(names)
-            for statistic in HISTORY_STATISTICS
-        ],
-        ignore_index=True,
-    )
-
-
-def _tracks_frame(coordinates: dict[str, Any], history: Any, count: int) -> pd.DataFrame:
-    """Sample tracks; the true one has realization -1."""
-    import pandas as pd
-
-    frames = [
-        pd.DataFrame(
-            {
-                **coordinates,
-                "realization": number,
-                TIME: history.time,
-                **dict(zip(history.coordinates, track, strict=True)),
-            }
-        )
-        for number, track in [
-            (-1, history.truth),
-            *((r, history.tracks[:, :, r]) for r in range(count)),
-        ]
-    ]
-    return pd.concat(frames, ignore_index=True)
 
 
 def _remarks(scenario: Scenario, sweep: SweepResult) -> list[str]:

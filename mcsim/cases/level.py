@@ -153,8 +153,8 @@ class LevelProblem:
         duration = self.n_samples * self.planar.interval
         return (*self.planar.limits(key, count), *duration_limits(duration))
 
-    def history(self, key: int, first: int, count: int) -> History:
-        history = self.planar.history(key, first, count)
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
+        history = self.planar.history(key, first, count, net)
         unseen = np.broadcast_to(self._unseen[:, :, None], (3, *history.errors.shape[1:]))
         errors = self._complete(history.errors, unseen)
         return History(history.time, history.tracks, history.truth, errors)

@@ -200,11 +200,11 @@ class PlanarProblem:
         length = np.hypot(method[0] + along, method[1] + across)
         return np.stack([along, across, length - math.hypot(*method[:2]), heading, course])
 
-    def history(self, key: int, first: int, count: int) -> History:
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
         from mcsim.kernels.planar import HISTORY_ROWS
 
         states = np.empty((HISTORY_ROWS, self.n_samples + 1, count))
-        self._run(key, first, count, history=states)
+        self._run(key, first, count, history=states, net=net)
         truth = self.truth
         along = states[0] - truth.along[:, None]
         across = states[1] - truth.across[:, None]

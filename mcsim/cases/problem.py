@@ -131,5 +131,5 @@ class Problem(Protocol):
     def method_errors(self) -> Array:
         """Errors (e,) of the undisturbed reconstruction."""
 
-    def history(self, key: int, first: int, count: int) -> History:
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
         """The same realizations over time."""

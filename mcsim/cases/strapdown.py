@@ -246,9 +246,9 @@ class StrapdownProblem:
         position = length - np.linalg.norm(method)
         return np.stack([along, across, height, position, roll, pitch, heading, course])
 
-    def history(self, key: int, first: int, count: int) -> History:
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
         states = np.empty((kernel.HISTORY_ROWS, self.n_samples + 1, count))
-        self._run(key, first, count, history=states)
+        self._run(key, first, count, history=states, net=net)
         truth = self.truth
         errors = states[:3] - truth.position[:, :, None]
         return History(

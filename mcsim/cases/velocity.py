@@ -243,30 +243,30 @@ class VelocityProblem:
     ) -> Sample:
         return Sample(*self._run(key, first, count, controls, net))
 
-    def velocities(self, key: int, first: int, count: int) -> Array:
+    def velocities(self, key: int, first: int, count: int, net: int = 0) -> Array:
         """Velocities (n, runs, count) of every run of some groups after every step, in m/s."""
         at_all = replace(self, steps=np.arange(1, len(self.raw) + 1))
         curves = np.empty((len(self.raw), self.runs, count))
-        at_all._run(key, first, count, curves=curves)
+        at_all._run(key, first, count, net=net, curves=curves)
         return curves
 
-    def errors_over_time(self, key: int, first: int, count: int) -> Array:
+    def errors_over_time(self, key: int, first: int, count: int, net: int = 0) -> Array:
         """The three errors (3, n + 1, count) before the first step and after every one."""
         at_all = replace(self, steps=np.arange(1, len(self.raw) + 1))
-        errors, _ = at_all._run(key, first, count)
+        errors, _ = at_all._run(key, first, count, net=net)
         over_time = errors.reshape(len(self.raw), PER_INSTANT, count).swapaxes(0, 1)
         return np.concatenate([np.zeros((PER_INSTANT, 1, count)), over_time], axis=1)
 
-    def history(self, key: int, first: int, count: int) -> History:
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
         runs = min(count, _MOST_TRACKS)
-        curves = self.velocities(key, first, -(-runs // self.runs))
+        curves = self.velocities(key, first, -(-runs // self.runs), net)
         # Runs of the first group, then of the next.
         tracks = curves.transpose(0, 2, 1).reshape(len(self.raw), -1)[:, :runs]
         return History(
             time=np.arange(len(self.truth), dtype=float) * self.interval,
             tracks=np.concatenate([np.zeros((1, runs)), tracks])[None],
             truth=self.truth[None],
-            errors=self.errors_over_time(key, first, count),
+            errors=self.errors_over_time(key, first, count, net),
             coordinates=("velocity [m/s]",),
         )
 

@@ -54,6 +54,14 @@ class Reference:
     rare: Rare | None = None
 
 
+def cell_size(count: int, nets: bool) -> int:
+    """Realizations of a cell where there are ``count``: a power of two."""
+    cell = 1
+    while count > (MOST_NETS if nets else MOST_ITEMS) * cell:
+        cell *= 2
+    return cell
+
+
 class Collector:
     """Takes in the realizations of one point, in any order and from any thread.
 
@@ -68,9 +76,7 @@ class Collector:
         self.count = count
         self.reference = reference
         self.nets = nets
-        self.cell = 1
-        while count > (MOST_NETS if nets else MOST_ITEMS) * self.cell:
-            self.cell *= 2
+        self.cell = cell_size(count, nets)
         cells = -(-count // self.cell)
         n_errors = len(reference.centre)
         self.sums = np.zeros((SUMS, n_errors, cells))
