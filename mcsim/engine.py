@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -11,8 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.cases import Problem
+from mcsim.cases.limits import may_wrap
+from mcsim.cases.problem import Limit
+from mcsim.scenario.error_names import UNITS
 from mcsim.scenario.run import MonteCarlo
-from mcsim.statistics import KEPT, MOMENTS, Collector, Estimates, Reference, estimate
+from mcsim.statistics import (
+    KEPT,
+    MOMENTS,
+    Collector,
+    Estimates,
+    Rare,
+    Reference,
+    estimate,
+    statistic_names,
+)
+from mcsim.statistics.collector import MOST_NETS, cell_size
 
 Array = NDArray[np.float64]
 
@@ -20,28 +34,38 @@ Array = NDArray[np.float64]
 CHUNK = 4096
 #: With fewer realizations the fitted coefficients of control variates would pretend
 #: a precision that is not there; the plain estimator serves them.
-FEWEST_CONTROLLED = 100
+FEWEST_CONTROLLED = 500
 _FIRST_COUNT = 1000
+#: Realizations that limits are looked for in, at most.
+LOOKED_AT = 1000
+#: Realizations beyond an abrupt limit that must be there before a control is trusted to
+#: follow them, and events of a rare kind before they count as seen.
+_SEEN = 50
+#: Share of the variance from which on events that were hardly seen are remarked on.
+_MATTERS = 0.1
 #: The run that a linear answer is held against, and by how much it may miss it.
 _CHECK = {"estimator": "control_variate", "realizations": 1000, "precision": None}
 CONTRADICTION = 0.01
 _RMS = MOMENTS.index("rms")
 
+Notes = dict[str, str]
+
 
 @dataclass(frozen=True)
 class PointResult:
-    """Estimates of one point, its method errors (e,), and remarks per error.
+    """Estimates of one point, its method errors (e,), and remarks per error and on the point.
 
-    Everything in SI units; ``notes`` maps an error's label to why a value is missing
-    or degenerate, ``variances`` a source of disturbance to its share (e,) of the linear
-    model's variance.
+    Everything in SI units; ``notes`` maps an error's label to why a value is missing,
+    degenerate or uncertain, ``variances`` a source of disturbance to its share (e,) of the linear
+    model's variance; ``limits`` are the bounds of sensors and models that the point reaches.
     """
 
     estimates: Estimates
     method: Array
     realizations: int
-    notes: dict[str, str]
+    notes: Notes
     variances: Mapping[str, Array]
+    limits: tuple[str, ...] = ()
 
 
 def random_key(seed: int, *parts: str) -> int:
@@ -71,41 +95,118 @@ def run_point(
     if settings.estimator == "linear":
         return _linear_point(problem, settings, key)
     bootstrap_key = random_key(settings.seed, "bootstrap")
-    count = settings.realizations or min(_FIRST_COUNT, settings.max_realizations)
-    notes = dict(problem.missing)
-    reference = _reference(problem, settings, count)
+    count = settings.realizations or min(_FIRST_COUNT, settings.most_realizations)
+    limits = problem.limits(key, min(count, LOOKED_AT))
+    notes: Notes = {}
+    told = _Told(progress)
     while True:
-        collector = Collector(count, reference, nets=settings.offsets == "sobol")
-        _fill(collector, problem, key, threads, progress)
+        collector = collect(problem, settings, count, limits, key, threads, told.begin())
         estimates = estimate(collector, settings.confidence, settings.resamples, bootstrap_key)
         if settings.precision is None:
             break
         wider = _widest(estimates) / settings.precision
         if wider <= 1.0:
             break
-        if count >= settings.max_realizations:
+        if count >= settings.most_realizations:
             for i, name in enumerate(problem.error_names):
                 if _relative_width(estimates)[i] > settings.precision:
-                    notes.setdefault(name, f"precision not reached with {count} realizations")
+                    _add(notes, name, f"precision not reached with {count} realizations")
             break
         # Widths shrink with the root of the count; a tenth more spares a further round.
         wanted = int(np.ceil(1.1 * count * wider**2))
-        count = min(max(wanted, 2 * count), settings.max_realizations)
+        count = min(max(wanted, 2 * count), settings.most_realizations)
     _note_degenerate(problem, estimates, count, notes)
-    return PointResult(estimates, problem.method_errors(), count, notes, problem.linear.variances)
+    _note_uncertain(problem, settings, estimates, count, notes)
+    return _result(problem, estimates, count, notes, [*limits, *_without_effect(settings, count)])
+
+
+def collect(
+    problem: Problem,
+    settings: MonteCarlo,
+    count: int,
+    limits: Sequence[Limit],
+    key: int,
+    threads: int = 1,
+    progress: Callable[[int], None] = lambda _: None,
+) -> Collector:
+    """``count`` realizations of a problem that reaches ``limits``, ready for estimates."""
+    reference = _reference(problem, settings, count, limits)
+    collector = Collector(count, reference, nets=settings.offsets == "sobol")
+    _fill(collector, problem, key, threads, progress)
+    return collector
+
+
+class _Told:
+    """Progress of a run whose realizations are begun again when it goes on: told once each."""
+
+    def __init__(self, progress: Callable[[int], None]) -> None:
+        self._progress, self._most = progress, 0
+        self._lock = threading.Lock()
+
+    def begin(self) -> Callable[[int], None]:
+        """Hears the realizations of one more round."""
+        done = 0
+
+        def advance(finished: int) -> None:
+            nonlocal done
+            with self._lock:
+                done += finished
+                new = done - self._most
+                self._most = max(self._most, done)
+            if new > 0:
+                self._progress(new)
+
+        return advance
+
+
+def _result(
+    problem: Problem, estimates: Estimates, count: int, notes: Notes, limits: Sequence[Limit]
+) -> PointResult:
+    """With what is undefined said before anything else."""
+    return PointResult(
+        estimates,
+        problem.method_errors(),
+        count,
+        {**notes, **problem.missing},
+        problem.linear.variances,
+        tuple(limit.text for limit in limits if limit.text),
+    )
+
+
+def _add(notes: Notes, name: str, note: str) -> None:
+    """One more note on an error."""
+    notes[name] = f"{notes[name]}; {note}" if name in notes else note
 
 
 def _linear_point(problem: Problem, settings: MonteCarlo, key: int) -> PointResult:
     """The linear model's answer, with a note where a Monte-Carlo run contradicts it."""
     estimates = linear_estimates(problem)
     checked = run_point(problem, settings.model_copy(update=_CHECK), key)
-    notes = dict(problem.missing)
-    for i, name in enumerate(problem.error_names):
-        linear, simulated = estimates.value[i, _RMS], checked.estimates.value[i, _RMS]
-        low, high = checked.estimates.low[i, _RMS], checked.estimates.high[i, _RMS]
-        if not low <= linear <= high and abs(linear / simulated - 1.0) > CONTRADICTION:
-            notes[name] = "Monte Carlo contradicts the linear model by more than 1 %"
-    return PointResult(estimates, problem.method_errors(), 0, notes, problem.linear.variances)
+    names = statistic_names(problem.percentiles)
+    low, high = checked.estimates.low, checked.estimates.high
+    misses = np.abs(estimates.value - checked.estimates.value)
+    with np.errstate(invalid="ignore"):
+        # Means and percentiles may be zero: the RMS is what they are compared with.
+        contradicted = ((estimates.value < low) | (estimates.value > high)) & (
+            misses > CONTRADICTION * checked.estimates.value[:, [_RMS]]
+        )
+    notes: Notes = {}
+    for name, row in zip(problem.error_names, contradicted, strict=True):
+        if row.any():
+            where = ", ".join(n for n, wrong in zip(names, row, strict=True) if wrong)
+            _add(
+                notes,
+                name,
+                "Monte Carlo contradicts the linear model by more than 1 % of the RMS: " + where,
+            )
+    return PointResult(
+        estimates,
+        problem.method_errors(),
+        0,
+        {**notes, **problem.missing},
+        problem.linear.variances,
+        checked.limits,
+    )
 
 
 def linear_estimates(problem: Problem) -> Estimates:
@@ -125,13 +226,47 @@ def linear_estimates(problem: Problem) -> Estimates:
     return Estimates(value, value.copy(), value.copy(), np.zeros(len(method), bool))
 
 
-def _reference(problem: Problem, settings: MonteCarlo, count: int) -> Reference:
+def _reference(
+    problem: Problem, settings: MonteCarlo, count: int, limits: Sequence[Limit]
+) -> Reference:
     """What the estimator may use: the method errors, and the linear model's moments."""
-    method = problem.method_errors()
+    method, rare = problem.method_errors(), _rare(problem)
     if settings.estimator == "plain" or count < FEWEST_CONTROLLED:
-        return Reference(method, percentiles=problem.percentiles)
+        return Reference(method, percentiles=problem.percentiles, rare=rare)
+    linear, trusted = problem.linear, _trusted(problem, count, limits)
+    return Reference(
+        method,
+        np.where(trusted, linear.control_mean, np.nan),
+        np.where(trusted, linear.control_second_moment, np.nan),
+        problem.percentiles,
+        rare,
+    )
+
+
+def _rare(problem: Problem) -> Rare | None:
+    """The spikes, if there are any."""
     linear = problem.linear
-    return Reference(method, linear.control_mean, linear.control_second_moment, problem.percentiles)
+    if not np.any(linear.spike_events):
+        return None
+    return Rare(linear.spike_variance(), linear.spike_events)
+
+
+def _trusted(problem: Problem, count: int, limits: Sequence[Limit]) -> NDArray[np.bool_]:
+    """Whether the linear model is a control of each error.
+
+    Not where a realization may do, and so few do that the run would not show it, what no linear
+    model follows: an angle wraps, or a range is reached.
+    """
+    trusted = np.ones(len(problem.error_names), bool)
+    for limit in limits:
+        hardly = limit.looked_at and limit.reached * count < _SEEN * limit.looked_at
+        if limit.abrupt and not limit.certain and hardly:
+            trusted[:] = False
+    method, spread = problem.method_errors(), problem.linear.spread
+    for i, name in enumerate(problem.error_names):
+        if UNITS.get(name) == "deg" and may_wrap(method[i], spread[i]):
+            trusted[i] = False
+    return trusted
 
 
 def _fill(
@@ -181,11 +316,62 @@ def _widest(estimates: Estimates) -> float:
     return float(np.nanmax(widths)) if np.any(np.isfinite(widths)) else 0.0
 
 
-def _note_degenerate(
-    problem: Problem, estimates: Estimates, count: int, notes: dict[str, str]
-) -> None:
-    for name, degenerate in zip(problem.error_names, estimates.degenerate, strict=True):
+def _note_degenerate(problem: Problem, estimates: Estimates, count: int, notes: Notes) -> None:
+    linear = np.sum(list(problem.linear.variances.values()), axis=0)
+    for i, (name, degenerate) in enumerate(
+        zip(problem.error_names, estimates.degenerate, strict=True)
+    ):
         if count == 1:
-            notes.setdefault(name, "one realization: no scatter and no interval follow from it")
+            _add(notes, name, "one realization: no scatter and no interval follow from it")
+        elif degenerate and linear[i] > 0.0:
+            _add(notes, name, "all realizations are equal: what disturbs this error does not show")
         elif degenerate:
-            notes.setdefault(name, "all realizations are equal: nothing disturbs this error")
+            _add(notes, name, "all realizations are equal: nothing disturbs this error")
+
+
+def _without_effect(settings: MonteCarlo, count: int) -> Iterator[Limit]:
+    """What is written and does nothing with so few realizations."""
+    written = settings.model_fields_set
+    controlled = "estimator" in written and settings.estimator == "control_variate"
+    if controlled and count < FEWEST_CONTROLLED:
+        yield Limit(
+            f"estimator: control variates take {FEWEST_CONTROLLED} realizations; the plain "
+            "estimator served"
+        )
+    if settings.offsets == "sobol" and cell_size(count, nets=True) == 1:
+        yield Limit(
+            f"offsets: Sobol points take more than {MOST_NETS} realizations; these are random"
+        )
+
+
+def _note_uncertain(
+    problem: Problem, settings: MonteCarlo, estimates: Estimates, count: int, notes: Notes
+) -> None:
+    """What the intervals rest on where the realizations alone do not tell."""
+    rare = _rare(problem)
+    share = seen = np.zeros(len(problem.error_names))
+    if rare is not None:
+        whole = np.maximum(np.sum(list(problem.linear.variances.values()), axis=0), 1e-300)
+        share, seen = rare.variance / whole, rare.events * count
+    for i, name in enumerate(problem.error_names):
+        if count > 1 and share[i] > _MATTERS and seen[i] < _SEEN:
+            _add(
+                notes,
+                name,
+                f"spikes make {share[i]:.0%} of the variance by the linear model, and only "
+                f"{seen[i]:.2g} are expected among {count:,} realizations: the intervals allow "
+                "for those not seen",
+            )
+        elif estimates.few is not None and estimates.few[i]:
+            _add(
+                notes,
+                name,
+                "few realizations carry most of the scatter: the intervals are widened for it",
+            )
+        if count > 1 and estimates.unbounded and not estimates.degenerate[i]:
+            _add(
+                notes,
+                name,
+                f"{count} realizations do not bound {', '.join(estimates.unbounded)} at "
+                f"{settings.confidence:.3g} sigma: the interval ends at an extreme realization",
+            )

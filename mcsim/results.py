@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -11,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mcsim.cases import problem_of
-from mcsim.engine import PointResult, point_key
+from mcsim.engine import PointResult
 from mcsim.errors import InputError
+from mcsim.over_time import HISTORY_STATISTICS, TIME, over_time
 from mcsim.scenario import UNITS, CaseScenario, ErrorRow, Point, Scenario
 from mcsim.scenario.effect import without_effect
 from mcsim.statistics import statistic_names
@@ -27,18 +28,12 @@ if TYPE_CHECKING:
 
 #: Columns of the table after those of the swept paths.
 COLUMNS = ("error", "statistic", "value", "ci_low", "ci_high", "unit", "realizations", "note")
-#: The column of the instant, in cases that report errors at several.
-TIME = "time [s]"
 #: What rows hold besides estimates: the error of the undisturbed reconstruction.
 METHOD = "method"
-HISTORY_STATISTICS = ("mean", "std", "rms", "p05", "p50", "p95")
-#: Realizations that histories are estimated from, at most.
-HISTORY_REALIZATIONS = 4000
-#: Long drives have smaller ensembles, so that histories fit in memory (samples x realizations).
-_MOST_HISTORY_STATES, _FEWEST_HISTORY_REALIZATIONS = 3_000_000, 200
 _MOST_HISTORY_ROWS = 20_000_000
 #: Smaller shares of the variance are rounding.
 _LEAST_SHARE = 1e-20
+_NUMBER = re.compile(r"\d[\d.,e+-]*")
 
 
 @dataclass(frozen=True)
@@ -105,7 +100,7 @@ def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
     """Turn the points' results into tables."""
     first = getattr(scenario.points[0].model, "trajectory", None)
     remarks = [*drive_notes(first, scenario.folder), *_remarks(scenario, sweep)]
-    history, tracks = _over_time(scenario)
+    history, tracks = over_time(scenario, sweep)
     return Results(
         scenario=scenario,
         table=_table(scenario, sweep),
@@ -168,7 +163,7 @@ def _point_rows(point: Point, result: PointResult) -> Iterator[tuple[Any, ...]]:
     estimates = result.estimates
     for i, row in enumerate(point.model.error_rows):
         missing = bool(np.isnan(result.method[i]))
-        note = result.notes.get(row.label, "")
+        note = "; ".join(filter(None, [result.notes.get(row.label, ""), *result.limits]))
         for j, statistic in enumerate(statistics_of(point.model)):
             if statistic == METHOD:
                 numbers = [result.method[i]] * 3
@@ -181,7 +176,7 @@ def _point_rows(point: Point, result: PointResult) -> Iterator[tuple[Any, ...]]:
                 *(float(in_table_unit(row.name, number)) for number in numbers),
                 row.unit,
                 result.realizations,
-                note if missing or statistic != METHOD else "",
+                note if missing or statistic != METHOD else "; ".join(result.limits),
             )
 
 
@@ -207,112 +202,27 @@ def _budget(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=[*columns, "error", "source", "std", "share", "unit"])
 
 
-def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | None]:
-    """Histories and sample tracks of every point, if asked for."""
-    import pandas as pd
-
-    outputs = scenario.base.outputs
-    if not outputs.history and not outputs.tracks:
-        return None, None
-    histories, tracks = [], []
-    for point in scenario.points:
-        settings = point.model.monte_carlo
-        problem = problem_of(point.model, scenario.folder)
-        samples = problem.n_samples + 1
-        count = min(
-            settings.realizations or HISTORY_REALIZATIONS,
-            HISTORY_REALIZATIONS,
-            max(_FEWEST_HISTORY_REALIZATIONS, _MOST_HISTORY_STATES // samples),
-        )
-        n_tracks = min(outputs.tracks, settings.realizations or outputs.tracks)
-        if not outputs.history:
-            count = n_tracks
-        history = problem.history(point_key(settings, point.identities), 0, max(count, n_tracks))
-        coordinates = {
-            axis.column: value for axis, value in zip(scenario.axes, point.values, strict=True)
-        }
-        if outputs.history:
-            names = point.model.ERRORS
-            errors = history.errors[..., :count]
-            histories.append(_history_frame(coordinates, history.time, names, errors))
-        if outputs.tracks:
-            tracks.append(_tracks_frame(coordinates, history, n_tracks))
-    return (
-        pd.concat(histories, ignore_index=True) if histories else None,
-        pd.concat(tracks, ignore_index=True) if tracks else None,
-    )
-
-
-def _history_frame(
-    coordinates: dict[str, Any], time: Any, names: tuple[str, ...], errors: Any
-) -> pd.DataFrame:
-    import pandas as pd
-
-    count = errors.shape[-1]
-    mean = errors.mean(axis=-1)
-    p05, p50, p95 = np.quantile(errors, (0.05, 0.5, 0.95), axis=-1)
-    values = {
-        "mean": mean,
-        "std": errors.std(axis=-1),
-        "rms": np.sqrt(np.mean(errors**2, axis=-1)),
-        "p05": p05,
-        "p50": p50,
-        "p95": p95,
-    }
-    return pd.concat(
-        [
-            pd.DataFrame(
-                {
-                    **coordinates,
-                    TIME: time,
-                    "error": name,
-                    "statistic": statistic,
-                    "value": in_table_unit(name, values[statistic][i]),
-                    "unit": UNITS[name],
-                    "realizations": count,
-                }
-            )
-            for i, name in enumerate(names)
-            for statistic in HISTORY_STATISTICS
-        ],
-        ignore_index=True,
-    )
-
-
-def _tracks_frame(coordinates: dict[str, Any], history: Any, count: int) -> pd.DataFrame:
-    """Sample tracks; the true one has realization -1."""
-    import pandas as pd
-
-    frames = [
-        pd.DataFrame(
-            {
-                **coordinates,
-                "realization": number,
-                TIME: history.time,
-                **dict(zip(history.coordinates, track, strict=True)),
-            }
-        )
-        for number, track in [
-            (-1, history.truth),
-            *((r, history.tracks[:, :, r]) for r in range(count)),
-        ]
-    ]
-    return pd.concat(frames, ignore_index=True)
-
-
 def _remarks(scenario: Scenario, sweep: SweepResult) -> list[str]:
     """Notes of all points, each said once with the number of points that it holds for."""
-    affected: dict[tuple[str, str], int] = {}
+    affected: dict[str, list[str]] = {}
     for result in sweep.points.values():
-        for name, note in result.notes.items():
-            affected[name, note] = affected.get((name, note), 0) + 1
+        notes = [f"{name}: {note}" for name, note in result.notes.items()]
+        for remark in [*notes, *result.limits]:
+            # Remarks that differ by their numbers alone are one.
+            affected.setdefault(_NUMBER.sub("#", remark), []).append(remark)
     return [
         *without_effect(scenario),
-        *(
-            f"{name}: {note}" + (f" ({n} of {scenario.n_points} points)" if scenario.axes else "")
-            for (name, note), n in affected.items()
-        ),
+        *(_of_points(remarks, scenario) for remarks in affected.values()),
     ]
+
+
+def _of_points(remarks: list[str], scenario: Scenario) -> str:
+    if not scenario.axes:
+        return remarks[0]
+    where = f"{len(remarks)} of {scenario.n_points} points"
+    if len(set(remarks)) > 1:
+        where += ", the first of them quoted"
+    return f"{remarks[0]} ({where})"
 
 
 def _provenance(

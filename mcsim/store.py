@@ -298,6 +298,7 @@ def _encode(index: int, result: PointResult) -> dict[str, Any]:
         "method": exact(result.method),
         "realizations": result.realizations,
         "notes": result.notes,
+        "limits": list(result.limits),
         "variances": {source: exact(v)[0] for source, v in result.variances.items()},
     }
 
@@ -315,4 +316,5 @@ def _decode(record: dict[str, Any]) -> tuple[int, PointResult]:
         int(record["realizations"]),
         dict(record["notes"]),
         {s: np.array([float.fromhex(x) for x in v]) for s, v in record["variances"].items()},
+        tuple(record["limits"]),
     )

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from mcsim.cases.lengths import length_quantile
+from mcsim.cases.limits import duration_limits
 from mcsim.cases.planar import (
     CHANNELS,
     PlanarProblem,
@@ -22,7 +23,7 @@ from mcsim.cases.planar import (
     wrap,
 )
 from mcsim.cases.planar_linear import beyond_controls
-from mcsim.cases.problem import Array, History, LinearModel, Sample
+from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.cases.strapdown import CHANNELS as ALL_CHANNELS
 from mcsim.cases.strapdown import RATES as ALL_RATES
 from mcsim.cases.strapdown import sampled, signals_at_rest, tilt_deviations
@@ -86,6 +87,7 @@ class LevelProblem:
             trapezoidal=model.reconstruction.integration == "trapezoidal",
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
             missing=course_missing(drive.drive),
+            beyond_rate=samples.beyond_rate[: len(CHANNELS)],
         )
         return cls(planar, samples.truth)
 
@@ -171,6 +173,7 @@ class LevelProblem:
             control_second,
             variances,
             {_POSITION: lambda p: length_quantile(method[:3], place, p)},
+            spike_events=self._complete_events(),
         )
 
     def _tilt_variances(self) -> Array:
@@ -181,9 +184,18 @@ class LevelProblem:
                 variances[_ERROR_BY_TILT[entry.target][0]] += entry.deviation**2
         return variances[1:]
 
-    def history(self, key: int, first: int, count: int) -> History:
-        history = self.planar.history(key, first, count)
-        unseen = self._unseen[:, :, None] + self._tilted(key, first, count)[:, None, :]
+    def _complete_events(self) -> Array:
+        events = np.zeros(8)
+        events[_PLANAR] = self.planar.linear.spike_events
+        return events
+
+    def limits(self, key: int, count: int) -> tuple[Limit, ...]:
+        duration = self.n_samples * self.planar.interval
+        return (*self.planar.limits(key, count), *duration_limits(duration))
+
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
+        history = self.planar.history(key, first, count, net)
+        unseen = self._unseen[:, :, None] + self._tilted(key, first, count, net)[:, None, :]
         errors = self._complete(history.errors, unseen)
         errors[_ANGLES] = wrap(errors[_ANGLES])
         return History(history.time, history.tracks, history.truth, errors)

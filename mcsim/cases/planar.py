@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
 
+from mcsim.cases.limits import angle_limits, rate_limits, sensor_limits, units_of
 from mcsim.cases.nets import net_normals
 from mcsim.cases.planar_linear import (
     ACROSS,
@@ -20,7 +21,7 @@ from mcsim.cases.planar_linear import (
     linear_model,
     linear_weights,
 )
-from mcsim.cases.problem import Array, History, LinearModel, Sample
+from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.errors import InputError
 from mcsim.scenario import PlanarScenario
 from mcsim.scenario.planar import Initial
@@ -34,7 +35,7 @@ from mcsim.sensors.error_model import (
 )
 from mcsim.sensors.low_pass import behind_low_pass
 from mcsim.sensors.measurement import Measurement, NormalWeights
-from mcsim.sensors.sampling import Signals, oversampling, sample
+from mcsim.sensors.sampling import Signals, oversampling, power_beyond, sample
 from mcsim.trajectory import Drive, Motion, drive_of
 from mcsim.units import STANDARD_GRAVITY
 
@@ -46,6 +47,7 @@ RATES = (False, False, True)
 #: The axis of gravity, which a level vehicle does not measure, and the true signals at rest.
 _VERTICAL = (Channel(ACCELEROMETER, 2),)
 _AT_REST = np.array([0.0, 0.0, 0.0, STANDARD_GRAVITY])
+SIGNAL_NAMES = ("forward acceleration", "left acceleration", "yaw rate")
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,8 @@ class PlanarProblem:
     """Arrays and numbers of the planar kernel; see ``mcsim.kernels.planar.simulate``.
 
     ``signals`` (n + 1, 3) and all sensor errors hold turns per interval in the place of yaw
-    rates; further columns are channels that show in the three by misalignment.
+    rates; further columns are channels that show in the three by misalignment; of each
+    ``beyond_rate`` (c,) is the share of power that the rate does not hold.
     ``initial_deviations`` (4,) are those of speed, direction, heading and course; ``truth`` is
     the true motion at the samples 0 ... n.
     """
@@ -66,6 +69,7 @@ class PlanarProblem:
     trapezoidal: bool
     previous_share: float
     missing: Mapping[str, str]
+    beyond_rate: Array = field(default_factory=lambda: np.zeros(3))
     error_names: tuple[str, ...] = PlanarScenario.ERRORS
     percentiles: tuple[float, ...] = PlanarScenario.PERCENTILES
 
@@ -95,6 +99,7 @@ class PlanarProblem:
             trapezoidal=model.reconstruction.integration == "trapezoidal",
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
             missing=course_missing(drive),
+            beyond_rate=samples.beyond_rate,
         )
 
     @property
@@ -139,7 +144,38 @@ class PlanarProblem:
 
     @cached_property
     def linear(self) -> LinearModel:
-        return linear_model(self.control_covariance, self.variances_by_source, self.method_errors())
+        model = linear_model(
+            self.control_covariance, self.variances_by_source, self.method_errors()
+        )
+        return replace(model, spike_events=self._spike_events)
+
+    @cached_property
+    def _spike_events(self) -> Array:
+        """Spikes per realization (5,); those of the position are of the rarer component's."""
+        along, across, heading, course = self.measurement.spike_events(self.weights.samples)
+        return np.array([along, across, rarer(along, across), heading, course])
+
+    def limits(self, key: int, count: int) -> tuple[Limit, ...]:
+        errors, linear = self.sensor_errors, self.linear
+        return (
+            *sensor_limits(
+                self.measurement,
+                self.signals,
+                units_of(errors, self.interval),
+                self.interval,
+                lambda m: self.measured_by(m).simulate(key, 0, count).errors,
+            ),
+            *rate_limits(self.beyond_rate, 1.0 / self.interval, SIGNAL_NAMES),
+            *angle_limits(
+                self.error_names, ("heading", "course"), self.method_errors(), linear.spread
+            ),
+        )
+
+    def measured_by(self, measurement: Measurement) -> PlanarProblem:
+        """The same problem with other sensors."""
+        other = replace(self)
+        other.__dict__["measurement"] = measurement
+        return other
 
     @cached_property
     def _start(self) -> Array:
@@ -171,11 +207,11 @@ class PlanarProblem:
         length = np.hypot(method[0] + along, method[1] + across)
         return np.stack([along, across, length - math.hypot(*method[:2]), heading, course])
 
-    def history(self, key: int, first: int, count: int) -> History:
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
         from mcsim.kernels.planar import HISTORY_ROWS
 
         states = np.empty((HISTORY_ROWS, self.n_samples + 1, count))
-        self._run(key, first, count, history=states)
+        self._run(key, first, count, history=states, net=net)
         truth = self.truth
         along = states[0] - truth.along[:, None]
         across = states[1] - truth.across[:, None]
@@ -292,6 +328,7 @@ class _Samples:
 
     signals: Array
     truth: Motion
+    beyond_rate: Array
 
 
 @lru_cache(maxsize=64)
@@ -303,7 +340,8 @@ def _sampled(drive: Drive, rate: float, method: str, bandwidths: tuple[float, ..
         ideal = behind_low_pass(ideal, bandwidths, -drive.lead, rate, count)
     signals = sample(ideal, -drive.lead, rate, count, method).T
     truth = drive.motion(-drive.lead + np.arange(count + 1) / rate)
-    return _Samples(np.ascontiguousarray(signals * [1.0, 1.0, 1.0 / rate]), truth)
+    beyond = power_beyond(ideal, -drive.lead, rate, count)
+    return _Samples(np.ascontiguousarray(signals * [1.0, 1.0, 1.0 / rate]), truth, beyond)
 
 
 def initial_deviations(initial: Initial) -> Array:
@@ -316,6 +354,11 @@ def initial_deviations(initial: Initial) -> Array:
             initial.course_error,
         ]
     )
+
+
+def rarer(*events: float) -> float:
+    """The least number of spikes per realization of some components that have any."""
+    return min((e for e in events if e > 0.0), default=0.0)
 
 
 def wrap(angle: Array) -> Array:

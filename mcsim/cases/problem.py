@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+#: How sources end that are spikes.
+SPIKES = " spikes"
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,8 @@ class LinearModel:
     disturbances whose random numbers a kernel does not weigh.  ``variances`` are those of
     the signed errors by source of disturbance (for the position error: of its components
     together).  ``quantiles`` are the quantile functions of errors (by row) that are not
-    normal.
+    normal.  ``spike_events`` are the spikes that a realization has on average, as many as of
+    equal weight scatter alike; zero or absent where there are none.
     """
 
     mean: Array
@@ -58,6 +62,35 @@ class LinearModel:
     control_second_moment: Array
     variances: Mapping[str, Array]
     quantiles: Mapping[int, Callable[[float], float]]
+    spike_events: Array = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def spread(self) -> Array:
+        """Standard deviation (e,) of the controls."""
+        variance = self.control_second_moment - self.control_mean**2
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)), float)
+
+    def spike_variance(self) -> Array:
+        """What spikes add to the variance of each error (e,)."""
+        found = [v for source, v in self.variances.items() if source.endswith(SPIKES)]
+        return np.asarray(sum(found, np.zeros(len(self.mean))), float)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A bound of a sensor or of a model that a point reaches.
+
+    Of ``looked_at`` realizations ``reached`` reach it; both are zero where it is a property of
+    the point.  ``certain`` tells that the undisturbed motion reaches it already.  ``abrupt``
+    ones make errors that no linear model follows; one that could be reached, but was not, has
+    no text.
+    """
+
+    text: str
+    reached: int = 0
+    looked_at: int = 0
+    certain: bool = True
+    abrupt: bool = False
 
 
 class Problem(Protocol):
@@ -92,8 +125,11 @@ class Problem(Protocol):
         that is zero.
         """
 
+    def limits(self, key: int, count: int) -> Sequence[Limit]:
+        """Bounds of sensors and models in reach, looked for in the first ``count`` realizations."""
+
     def method_errors(self) -> Array:
         """Errors (e,) of the undisturbed reconstruction."""
 
-    def history(self, key: int, first: int, count: int) -> History:
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
         """The same realizations over time."""

@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
 
+from mcsim.cases.limits import (
+    angle_limits,
+    duration_limits,
+    pitch_limits,
+    rate_limits,
+    sensor_limits,
+    tilt_limits,
+    units_of,
+)
 from mcsim.cases.nets import net_normals
 from mcsim.cases.planar import CHANNELS as PLANAR_CHANNELS
-from mcsim.cases.planar import course_missing, sample_count, wrap
-from mcsim.cases.problem import Array, History, LinearModel, Sample
+from mcsim.cases.planar import SIGNAL_NAMES, course_missing, rarer, sample_count, wrap
+from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.cases.strapdown_linear import Weights, linear_model, linear_weights
 from mcsim.kernels import strapdown as kernel
 from mcsim.scenario import StrapdownScenario
@@ -27,7 +36,7 @@ from mcsim.sensors.error_model import (
 )
 from mcsim.sensors.low_pass import behind_low_pass
 from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights
-from mcsim.sensors.sampling import Signals, sample
+from mcsim.sensors.sampling import Signals, power_beyond, sample
 from mcsim.trajectory.spatial import SpatialDrive, SpatialMotion, spatial_drive
 
 #: The planar case's channels, then those that it does not have: up, roll rate, pitch rate.
@@ -39,6 +48,7 @@ CHANNELS = (
 )
 _TURNS = [2, 4, 5]
 RATES = (False, False, True, False, True, True)
+_SIGNAL_NAMES = (*SIGNAL_NAMES, "upward acceleration", "roll rate", "pitch rate")
 _METHODS = {
     "rectangular": kernel.RECTANGULAR,
     "forward_euler": kernel.FORWARD_EULER,
@@ -54,7 +64,8 @@ class StrapdownProblem:
 
     ``signals`` (n + 1, 6) are true samples, with turns per interval in the place of rates, as
     in all sensor errors; ``initial_deviations`` (24,) are those of initial errors, in the
-    places of the kernel's constants; ``truth`` is the true motion at the samples 0 ... n.
+    places of the kernel's constants; ``beyond_rate`` (6,) is the share of each signal's power
+    that the rate does not hold; ``truth`` is the true motion at the samples 0 ... n.
     """
 
     signals: Array
@@ -68,6 +79,7 @@ class StrapdownProblem:
     method: int
     previous_share: float
     missing: Mapping[str, str]
+    beyond_rate: Array = field(default_factory=lambda: np.zeros(6))
     error_names: tuple[str, ...] = StrapdownScenario.ERRORS
     percentiles: tuple[float, ...] = StrapdownScenario.PERCENTILES
 
@@ -105,6 +117,7 @@ class StrapdownProblem:
             method=_METHODS[model.reconstruction.integration],
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
             missing=course_missing(drive.drive),
+            beyond_rate=samples.beyond_rate,
         )
 
     @property
@@ -150,7 +163,42 @@ class StrapdownProblem:
         }
         initial = weights.initial * self.initial_deviations
         covariance = self.normal_weights.covariance + initial @ initial.T
-        return linear_model(covariance, by_source, self.method_errors())
+        model = linear_model(covariance, by_source, self.method_errors())
+        return replace(model, spike_events=self._spike_events)
+
+    @cached_property
+    def _spike_events(self) -> Array:
+        """Spikes per realization (8,); those of the position are of the rarest component's."""
+        along, across, height, course, *angles = self.measurement.spike_events(self.weights.samples)
+        place = (along, across, height)
+        return np.array([*place, rarer(*place), *angles, course])
+
+    def limits(self, key: int, count: int) -> tuple[Limit, ...]:
+        errors, spread = self.sensor_errors, self.linear.spread
+        method, names = self.method_errors(), self.error_names
+        pitch = self.truth.attitude.pitch
+        ends = pitch[-1] + self.simulate(key, 0, count).errors[names.index("pitch")]
+        level = float(np.max(errors.offsets[:2])) / self.gravity if self.levelled else 0.0
+        return (
+            *sensor_limits(
+                self.measurement,
+                self._rows,
+                units_of(errors, self.interval),
+                self.interval,
+                lambda m: self.measured_by(m).simulate(key, 0, count).errors,
+            ),
+            *rate_limits(self.beyond_rate, 1.0 / self.interval, _SIGNAL_NAMES),
+            *duration_limits(self.n_samples * self.interval),
+            *tilt_limits(level),
+            *pitch_limits(pitch, ends, float(spread[names.index("pitch")])),
+            *angle_limits(names, ("roll", "heading", "course"), method, spread),
+        )
+
+    def measured_by(self, measurement: Measurement) -> StrapdownProblem:
+        """The same problem with other sensors."""
+        other = replace(self)
+        other.__dict__["measurement"] = measurement
+        return other
 
     @cached_property
     def _rows(self) -> Array:
@@ -207,9 +255,9 @@ class StrapdownProblem:
         position = length - np.linalg.norm(method)
         return np.stack([along, across, height, position, roll, pitch, heading, course])
 
-    def history(self, key: int, first: int, count: int) -> History:
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
         states = np.empty((kernel.HISTORY_ROWS, self.n_samples + 1, count))
-        self._run(key, first, count, history=states)
+        self._run(key, first, count, history=states, net=net)
         truth = self.truth
         errors = states[:3] - truth.position[:, :, None]
         return History(
@@ -360,6 +408,7 @@ class Samples:
 
     signals: Array
     truth: SpatialMotion
+    beyond_rate: Array
 
 
 @lru_cache(maxsize=64)
@@ -374,4 +423,5 @@ def sampled(
         ideal = behind_low_pass(ideal, bandwidths, -plane.lead, rate, count)
     signals = sample(ideal, -plane.lead, rate, count, method).T
     truth = drive.motion(-plane.lead + np.arange(count + 1) / rate)
-    return Samples(np.ascontiguousarray(signals * _per_interval(rate)), truth)
+    beyond = power_beyond(ideal, -plane.lead, rate, count)
+    return Samples(np.ascontiguousarray(signals * _per_interval(rate)), truth, beyond)

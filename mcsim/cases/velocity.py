@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.cases.limits import SMALL_TILT, Units, sensor_limits
 from mcsim.cases.nets import net_normals
-from mcsim.cases.problem import Array, History, LinearModel, Sample
+from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.cases.velocity_linear import (
     BIAS,
     VelocityWeights,
@@ -69,6 +70,7 @@ class VelocityProblem:
     steps: NDArray[np.int64]
     error_names: tuple[str, ...]
     percentiles: tuple[float, ...] = VelocityScenario.PERCENTILES
+    too_fast: tuple[Limit, ...] = ()
 
     @classmethod
     def from_model(cls, model: VelocityScenario) -> VelocityProblem:
@@ -115,6 +117,7 @@ class VelocityProblem:
             runs=model.runs,
             steps=np.array([steps_until(t, sensor.rate) for t in model.reported]),
             error_names=tuple(row.label for row in model.error_rows),
+            too_fast=tuple(_too_fast(model)),
         )
         if problem.is_measured:
             check_group(model)
@@ -188,9 +191,39 @@ class VelocityProblem:
 
     @cached_property
     def linear(self) -> LinearModel:
+        if not self.is_measured:
+            return velocity_linear_model(self.weights, self.runs)
+        model, m = self._measured.linear_model(), self.measurement
+        # Of all samples of the group; those at rest weigh less, and are more.
+        spikes = self._group.total * float(np.sum(m.spike_thresholds)) * 2.0**-31
+        return replace(model, spike_events=np.full(len(model.mean), spikes))
+
+    def limits(self, key: int, count: int) -> tuple[Limit, ...]:
+        found = list(self.too_fast)
+        at_rest = self.inputs[9:12] - self.inputs[BIAS]
+        tilt = math.atan(float(self.inputs[:3] @ at_rest) / float(self.inputs[3:6] @ at_rest))
+        if self.tilt_order == 0 and abs(tilt) > SMALL_TILT:
+            found.append(
+                Limit(
+                    f"tilt.order: the sensor is tilted by {math.degrees(tilt):.3g}°, where "
+                    f"`first` errs by {0.5 * tilt**2:.1%} of gravity's share; write `exact`"
+                )
+            )
         if self.is_measured:
-            return self._measured.linear_model()
-        return velocity_linear_model(self.weights, self.runs)
+            units = Units(np.ones(3), ("g",) * 3)
+            found += sensor_limits(
+                self.measurement,
+                self.signals,
+                units,
+                self.interval,
+                lambda m: self._measured_by(m).simulate(key, 0, count).errors,
+            )
+        return tuple(found)
+
+    def _measured_by(self, measurement: Measurement) -> VelocityProblem:
+        other = replace(self)
+        other.__dict__["measurement"] = measurement
+        return other
 
     @cached_property
     def _method_errors(self) -> Array:
@@ -210,30 +243,30 @@ class VelocityProblem:
     ) -> Sample:
         return Sample(*self._run(key, first, count, controls, net))
 
-    def velocities(self, key: int, first: int, count: int) -> Array:
+    def velocities(self, key: int, first: int, count: int, net: int = 0) -> Array:
         """Velocities (n, runs, count) of every run of some groups after every step, in m/s."""
         at_all = replace(self, steps=np.arange(1, len(self.raw) + 1))
         curves = np.empty((len(self.raw), self.runs, count))
-        at_all._run(key, first, count, curves=curves)
+        at_all._run(key, first, count, net=net, curves=curves)
         return curves
 
-    def errors_over_time(self, key: int, first: int, count: int) -> Array:
+    def errors_over_time(self, key: int, first: int, count: int, net: int = 0) -> Array:
         """The three errors (3, n + 1, count) before the first step and after every one."""
         at_all = replace(self, steps=np.arange(1, len(self.raw) + 1))
-        errors, _ = at_all._run(key, first, count)
+        errors, _ = at_all._run(key, first, count, net=net)
         over_time = errors.reshape(len(self.raw), PER_INSTANT, count).swapaxes(0, 1)
         return np.concatenate([np.zeros((PER_INSTANT, 1, count)), over_time], axis=1)
 
-    def history(self, key: int, first: int, count: int) -> History:
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
         runs = min(count, _MOST_TRACKS)
-        curves = self.velocities(key, first, -(-runs // self.runs))
+        curves = self.velocities(key, first, -(-runs // self.runs), net)
         # Runs of the first group, then of the next.
         tracks = curves.transpose(0, 2, 1).reshape(len(self.raw), -1)[:, :runs]
         return History(
             time=np.arange(len(self.truth), dtype=float) * self.interval,
             tracks=np.concatenate([np.zeros((1, runs)), tracks])[None],
             truth=self.truth[None],
-            errors=self.errors_over_time(key, first, count),
+            errors=self.errors_over_time(key, first, count, net),
             coordinates=("velocity [m/s]",),
         )
 
@@ -345,3 +378,14 @@ class VelocityProblem:
     @cached_property
     def _kernel_weights(self) -> LinearWeights:
         return self._measured.kernel_weights()
+
+
+def _too_fast(model: VelocityScenario) -> Iterator[Limit]:
+    """Swings of the vehicle that the samples do not hold."""
+    run, half = model.trajectory, 0.5 * model.sensor.rate
+    for name, swing in (("pitch", run.pitch), ("vertical", run.vertical)):
+        if swing.amplitude != 0.0 and swing.frequency > half:
+            yield Limit(
+                f"sensor.rate: `trajectory.{name}` swings at {swing.frequency:.4g} Hz, above half "
+                f"the sampling rate, {half:.4g} Hz: samples fold it"
+            )

@@ -294,7 +294,11 @@ def _read(
     if seed is not None:
         settings["monte_carlo.seed"] = seed
     if realizations is not None:
-        settings |= {"monte_carlo.realizations": realizations, "monte_carlo.precision": None}
+        settings |= {
+            "monte_carlo.realizations": realizations,
+            "monte_carlo.precision": None,
+            "monte_carlo.max_realizations": None,
+        }
     if linear:
         settings["monte_carlo.estimator"] = "linear"
     return scenario.with_values(settings) if settings else scenario
@@ -374,7 +378,7 @@ def _plan(scenario: Scenario) -> str:
     count = (
         f"{settings.realizations:,} realizations"
         if settings.realizations
-        else f"up to {settings.max_realizations:,} realizations"
+        else f"up to {settings.most_realizations:,} realizations"
     )
     lines = [f"{scenario.name}: {scenario.n_points} point(s), {count} each"]
     for axis in scenario.axes:

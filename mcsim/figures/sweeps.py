@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
 #: Values of a third axis that are drawn side by side.
 _MOST_SLICES = 4
+#: Letters of a remark that stand below a figure.
+_LONGEST_REMARK = 44
 
 
 @dataclass(frozen=True)
@@ -98,15 +101,43 @@ def draw_columns(columns: list[Column], title: str | None = None) -> Figure:
             if column.title:
                 grid[0, j].set_title(column.title)
         _place_legends(figure, grid, families)
-        _explain_marks(figure, [column.results.scenario for column in columns])
+        zeros = any(_has_zeros(column, log_units) for column in columns)
+        scenarios = [column.results.scenario for column in columns]
+        _explain_marks(figure, scenarios, _remarked(columns), zeros)
     return figure
 
 
-def _explain_marks(figure: Figure, scenarios: list[Scenario]) -> None:
+def _has_zeros(column: Column, log_units: set[str]) -> bool:
+    """Whether exact zeros are drawn on a logarithmic axis."""
+    base = column.results.scenario.base
+    rows = _slice(column, base.figure.statistic, column.held)
+    drawn = [e for panel in base.panels for e in panel.errors if UNITS[e] in log_units]
+    return bool((rows["error"].isin(drawn) & (rows["value"] == 0.0)).any())
+
+
+def _remarked(columns: list[Column]) -> list[str]:
+    """Remarks on points that are drawn hollow, without repeating any."""
+    notes: dict[str, None] = {}
+    for column in columns:
+        base = column.results.scenario.base
+        rows = _slice(column, base.figure.statistic, column.held)
+        drawn = [error for panel in base.panels for error in panel.errors]
+        rows = rows[rows["error"].isin(drawn) & rows["value"].notna() & (rows["note"] != "")]
+        notes |= dict.fromkeys(rows["note"])
+    return list(notes)
+
+
+def _explain_marks(
+    figure: Figure, scenarios: list[Scenario], remarked: list[str], zeros: bool
+) -> None:
     sigmas = scenarios[0].base.monte_carlo.confidence
     text = f"bars: {labels.confidence_words(sigmas)} bootstrap intervals "
     if any(scenario.base.figure.method for scenario in scenarios):
         text += "\ndotted: method error, no sensor error "
+    if zeros:
+        text += "\ntriangles: exactly zero "
+    if remarked:
+        text += f"\nhollow: {shorten(remarked[0], _LONGEST_REMARK, placeholder=' …')} "
     style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 7.5, "color": "#6b7280"}
     if figure.legends:
         figure.text(1.0, 0.0, text, **style)
@@ -181,6 +212,7 @@ def _draw_panel(axes: Axes, column: Column, panel: Panel, log_units: set[str]) -
     method = _slice(column, METHOD, held)
     curve_values: tuple[Value | None, ...] = curve_axis.values if curve_axis else (None,)
     names = []
+    unit = UNITS[panel.errors[0]]
     for c, curve_value in enumerate(curve_values):
         for e, error in enumerate(panel.errors):
             rows, floor = (t[t["error"] == error] for t in (table, method))
@@ -201,6 +233,8 @@ def _draw_panel(axes: Axes, column: Column, panel: Panel, log_units: set[str]) -
                 marker=MARKERS[index % len(MARKERS)],
                 linestyle=LINE_STYLES[e % len(LINE_STYLES)] if curve_axis else "-",
             )
+            if unit in log_units:
+                _draw_zeros(axes, x_axis, rows, curve_colour(index, n_styles))
             if scenario.base.figure.method:
                 axes.plot(
                     _positions(x_axis, floor),
@@ -210,7 +244,6 @@ def _draw_panel(axes: Axes, column: Column, panel: Panel, log_units: set[str]) -
                     linewidth=1.0,
                     zorder=1.8,
                 )
-    unit = UNITS[panel.errors[0]]
     drawn = table[table["error"].isin(panel.errors)]["value"].to_numpy(float)
     limit = _draw_limit(axes, scenario.base.figure, unit)
     _scale(axes, x_axis, np.append(drawn, limit), unit in log_units)
@@ -272,6 +305,35 @@ def _draw_curve(axes: Axes, x_axis: Axis, rows: pd.DataFrame, **style: Any) -> N
         markeredgewidth=0.4,
         **style,
     )
+    # What the table remarks on is hollow.
+    noted = rows[(rows["note"] != "") & rows["value"].notna()]
+    if len(noted):
+        axes.plot(
+            _positions(x_axis, noted),
+            noted["value"].to_numpy(float),
+            linestyle="none",
+            marker=style["marker"],
+            markerfacecolor="white",
+            markeredgecolor=style["color"],
+            markeredgewidth=1.0,
+            zorder=3.0,
+        )
+
+
+def _draw_zeros(axes: Axes, x_axis: Axis, rows: pd.DataFrame, colour: Any) -> None:
+    """Values of exactly zero, which a logarithmic axis does not hold, at its lower end."""
+    zeros = rows[rows["value"] == 0.0]
+    if len(zeros):
+        axes.plot(
+            _positions(x_axis, zeros),
+            np.zeros(len(zeros)),
+            transform=axes.get_xaxis_transform(),
+            linestyle="none",
+            marker="v",
+            color=colour,
+            clip_on=False,
+            zorder=3.0,
+        )
 
 
 def _positions(x_axis: Axis, rows: pd.DataFrame) -> Any:

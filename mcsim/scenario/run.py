@@ -11,6 +11,8 @@ from mcsim.scenario.block import Block, Whole
 from mcsim.scenario.fields import Confidence, Positive, Ratio, reject
 
 LARGEST_SEED = 2**64 - 1
+#: Where a precision gives up that is given no maximum.
+_MOST = 1_000_000
 
 
 class MonteCarlo(Block):
@@ -20,8 +22,8 @@ class MonteCarlo(Block):
     """Number of realizations per point."""
     precision: Annotated[Ratio, Positive, Le(1.0)] | None = None
     """Go on until the intervals of all RMS values are within this share of the value."""
-    max_realizations: Annotated[int, Whole, Ge(1000), Le(20_000_000)] = 1_000_000
-    """Where `precision` gives up."""
+    max_realizations: Annotated[int, Whole, Ge(1000), Le(20_000_000)] | None = None
+    """Where `precision` gives up; a million if absent."""
     seed: Annotated[int, Whole, Ge(0), Le(LARGEST_SEED)] = 1
     estimator: Literal["control_variate", "plain", "linear"] = "control_variate"
     """`control_variate` estimates only what the linear model leaves, `plain` everything;
@@ -36,12 +38,26 @@ class MonteCarlo(Block):
     common_random_numbers: bool = False
     """The same random numbers at every point of the sweep."""
 
+    @property
+    def most_realizations(self) -> int:
+        """How many realizations a point has at most."""
+        return self.realizations or self.max_realizations or _MOST
+
     @model_validator(mode="after")
     def _count_or_precision(self) -> MonteCarlo:
         if self.realizations is not None and self.precision is not None:
             raise reject("give `realizations` or `precision`, not both")
         if self.realizations is None and self.precision is None:
             raise reject("write `realizations: 1000`, or `precision: 1 %`")
+        return self
+
+    @model_validator(mode="after")
+    def _keys_have_effect(self) -> MonteCarlo:
+        if self.precision is None and self.max_realizations is not None:
+            raise reject(
+                "`max_realizations` is where `precision` gives up, and has no effect on a fixed "
+                "number of `realizations`; remove it, or write `precision: 1 %` instead"
+            )
         return self
 
 

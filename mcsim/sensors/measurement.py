@@ -331,6 +331,20 @@ class Measurement:
         )
         return np.asarray(at_rest.weights**2 @ variances / errors.levelling, float)
 
+    def spike_events(self, weights: Array) -> Array:
+        """How many spikes of equal weight a realization has on average, per error (e,).
+
+        A sum of spikes with weights w has the variance ``V = sum p (w a)^2`` and the fourth
+        cumulant ``C = sum p (w a)^4``; as many equal ones as ``V^2 / C`` have the same.
+        """
+        if not len(self.spike_thresholds):
+            return np.zeros(len(weights))
+        probability = self.spike_thresholds * 2.0**-31
+        heights = weights * self.spike_amplitudes
+        second = np.sum(probability * heights**2, axis=(1, 2))
+        fourth = np.sum(probability * heights**4, axis=(1, 2))
+        return np.divide(second**2, fourth, out=np.zeros(len(weights)), where=fourth > 0.0)
+
 
 def no_terms(channels: int) -> ErrorTerms:
     """The terms where white noise and offsets are all there is."""

@@ -4,7 +4,7 @@ Realizations are collected (``collector``), and mean, deviation and RMS (``momen
 percentiles (``quantiles``) estimated from them (``estimates``).
 """
 
-from mcsim.statistics.collector import KEPT, MOST_ITEMS, PERCENTILES, Collector, Reference
+from mcsim.statistics.collector import KEPT, MOST_ITEMS, PERCENTILES, Collector, Rare, Reference
 from mcsim.statistics.estimates import (
     MOMENTS,
     Estimates,
@@ -20,6 +20,7 @@ __all__ = [
     "PERCENTILES",
     "Collector",
     "Estimates",
+    "Rare",
     "Reference",
     "estimate",
     "estimate_errors",

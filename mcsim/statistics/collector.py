@@ -27,18 +27,39 @@ _NEAR = 9.0
 
 
 @dataclass(frozen=True)
+class Rare:
+    """Events so rare that a run may miss them, as the linear model knows them; (e,) each.
+
+    ``variance`` is what they add to an error's variance, ``events`` how many a realization
+    has on average; of events of unequal weight, as many equal ones as scatter alike.
+    """
+
+    variance: Array
+    events: Array
+
+
+@dataclass(frozen=True)
 class Reference:
     """What is known beforehand: per error (e,), SI units.
 
     ``centre`` is taken off the errors (the method errors); ``mean`` and
-    ``second_moment`` are the controls' expectations, absent without controls;
-    ``percentiles`` are those to be estimated.
+    ``second_moment`` are the controls' expectations, absent without controls, NaN for controls
+    that are not to be trusted; ``percentiles`` are those to be estimated.
     """
 
     centre: Array
     mean: Array | None = None
     second_moment: Array | None = None
     percentiles: tuple[float, ...] = PERCENTILES
+    rare: Rare | None = None
+
+
+def cell_size(count: int, nets: bool) -> int:
+    """Realizations of a cell where there are ``count``: a power of two."""
+    cell = 1
+    while count > (MOST_NETS if nets else MOST_ITEMS) * cell:
+        cell *= 2
+    return cell
 
 
 class Collector:
@@ -55,9 +76,7 @@ class Collector:
         self.count = count
         self.reference = reference
         self.nets = nets
-        self.cell = 1
-        while count > (MOST_NETS if nets else MOST_ITEMS) * self.cell:
-            self.cell *= 2
+        self.cell = cell_size(count, nets)
         cells = -(-count // self.cell)
         n_errors = len(reference.centre)
         self.sums = np.zeros((SUMS, n_errors, cells))

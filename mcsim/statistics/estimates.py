@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mcsim.statistics.collector import Collector, Reference
 from mcsim.statistics.moments import moments, student_sigmas
-from mcsim.statistics.quantiles import quantiles
+from mcsim.statistics.quantiles import bounded, quantiles
 
 Array = NDArray[np.float64]
 
@@ -28,13 +28,17 @@ class Estimates:
 
     The statistics are those of ``statistic_names``.
 
-    ``degenerate`` (e,) marks errors that do not scatter at all.
+    ``degenerate`` (e,) marks errors that do not scatter at all; ``few`` those whose scatter few
+    realizations carry; ``unbounded`` names percentiles whose interval more realizations would
+    be needed to bound.
     """
 
     value: Array
     low: Array
     high: Array
     degenerate: NDArray[np.bool_]
+    few: NDArray[np.bool_] | None = None
+    unbounded: tuple[str, ...] = ()
 
 
 def estimate(collector: Collector, sigmas: float, resamples: int, key: int) -> Estimates:
@@ -62,12 +66,13 @@ def estimate(collector: Collector, sigmas: float, resamples: int, key: int) -> E
     low, high = value.copy(), value.copy()
     defined = np.isfinite(collector.sums[0]).all(axis=1)
     degenerate = defined & collector.degenerate
+    few = np.zeros(n_errors, bool)
     rows = np.flatnonzero(defined & ~degenerate)
     if len(rows):
         reach = student_sigmas(sigmas, len(collector.sizes)) if collector.nets else sigmas
-        value[rows, :3], low[rows, :3], high[rows, :3] = moments(
-            collector, rows, reach, resamples, key
-        )
+        found = moments(collector, rows, reach, resamples, key)
+        value[rows, :3], low[rows, :3], high[rows, :3] = found.value, found.low, found.high
+        few[rows] = found.few
         for row in map(int, rows):
             value[row, 3:], low[row, 3:], high[row, 3:] = quantiles(collector, row, sigmas)
     for row in map(int, np.flatnonzero(degenerate)):
@@ -75,7 +80,12 @@ def estimate(collector: Collector, sigmas: float, resamples: int, key: int) -> E
         value[row] = low[row] = high[row] = [same, 0.0, abs(same), *(same for _ in percentiles)]
     if collector.count == 1:
         low[:], high[:] = np.nan, np.nan
-    return Estimates(value, low, high, degenerate)
+    unbounded = tuple(
+        name
+        for name, p in zip(statistic_names(percentiles)[len(MOMENTS) :], percentiles, strict=True)
+        if len(rows) and not bounded(collector.count, p, sigmas)
+    )
+    return Estimates(value, low, high, degenerate, few, unbounded)
 
 
 def estimate_errors(errors: Array, sigmas: float, resamples: int, key: int) -> Estimates:

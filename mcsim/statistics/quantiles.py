@@ -38,6 +38,16 @@ def quantiles(collector: Collector, error: int, sigmas: float) -> tuple[Array, A
     return np.array(values), np.array(lows), np.array(highs)
 
 
+def bounded(n: int, p: float, sigmas: float) -> bool:
+    """Whether n realizations bound the p-quantile on both sides with the asked confidence.
+
+    All of them lie below it with the probability p^n, all above it with (1 - p)^n.
+    """
+    from scipy.special import ndtr
+
+    return bool(max(p, 1.0 - p) ** n <= ndtr(-sigmas))
+
+
 @lru_cache(maxsize=256)
 def _bounding_ranks(n: int, p: float, sigmas: float) -> tuple[int, int]:
     """Ranks of the order statistics that bound the p-quantile with the asked confidence."""

@@ -1,0 +1,203 @@
+"""Histories and sample tracks of a scenario's points: the errors at every sample.
+
+Histories hold at most ``HISTORY_REALIZATIONS`` realizations, the first of those that the table
+is estimated from.  The table may know more: it may have more realizations, or control variates.
+What it knows of the end is carried back in time by regression, with the end's error as a control
+whose moments are the table's: ``m(t) + b(t) (m_table - m(end))`` with the slope b of the error at t
+over that at the end, and so for squares and percentiles.  So a history ends in its table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.cases import History, problem_of
+from mcsim.engine import PointResult, point_key
+from mcsim.scenario import UNITS, Point, Scenario
+from mcsim.scenario.error_names import ErrorName
+from mcsim.statistics import statistic_names
+from mcsim.statistics.collector import cell_size
+from mcsim.sweep import SweepResult
+from mcsim.units import degrees
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+#: The column of the instant, in tables that hold several.
+TIME = "time [s]"
+HISTORY_STATISTICS = ("mean", "std", "rms", "p05", "p50", "p95")
+#: Realizations that histories are estimated from, at most.
+HISTORY_REALIZATIONS = 4000
+#: Long drives have smaller ensembles, so that histories fit in memory (samples x realizations).
+_MOST_HISTORY_STATES, _FEWEST_HISTORY_REALIZATIONS = 3_000_000, 200
+_PERCENTILES = {"p05": 0.05, "p50": 0.5, "p95": 0.95}
+
+
+def over_time(
+    scenario: Scenario, sweep: SweepResult
+) -> tuple[pd.DataFrame | None, pd.DataFrame | None]:
+    """Histories and sample tracks of every point that has results, if asked for."""
+    import pandas as pd
+
+    outputs = scenario.base.outputs
+    if not outputs.history and not outputs.tracks:
+        return None, None
+    histories, tracks = [], []
+    for point in scenario.points:
+        if point.index not in sweep.points:
+            continue
+        result = sweep.points[point.index]
+        history, count, n_tracks = _simulated(point, scenario, result)
+        coordinates = {
+            axis.column: value for axis, value in zip(scenario.axes, point.values, strict=True)
+        }
+        if outputs.history:
+            histories += list(_history_frames(coordinates, point, history, count, result))
+        if outputs.tracks:
+            tracks.append(_tracks_frame(coordinates, history, n_tracks))
+    return (
+        pd.concat(histories, ignore_index=True) if histories else None,
+        pd.concat(tracks, ignore_index=True) if tracks else None,
+    )
+
+
+def _simulated(point: Point, scenario: Scenario, result: PointResult) -> tuple[History, int, int]:
+    """A point's first realizations over time; how many are for the history, and for tracks."""
+    settings, outputs = point.model.monte_carlo, scenario.base.outputs
+    problem = problem_of(point.model, scenario.folder)
+    behind = result.realizations or settings.realizations or HISTORY_REALIZATIONS
+    count = min(
+        behind,
+        HISTORY_REALIZATIONS,
+        max(_FEWEST_HISTORY_REALIZATIONS, _MOST_HISTORY_STATES // (problem.n_samples + 1)),
+    )
+    n_tracks = min(outputs.tracks, behind)
+    if not outputs.history:
+        count = n_tracks
+    key = point_key(settings, point.identities)
+    net = cell_size(behind, nets=True) if settings.offsets == "sobol" else 0
+    return problem.history(key, 0, max(count, n_tracks), net), count, n_tracks
+
+
+def _in_table_unit(name: ErrorName, values: Any) -> Any:
+    return degrees(values) if UNITS[name] == "deg" else values
+
+
+def _history_frames(
+    coordinates: dict[str, Any], point: Point, history: History, count: int, result: PointResult
+) -> Iterator[pd.DataFrame]:
+    """One frame per error and statistic."""
+    import pandas as pd
+
+    for i, name in enumerate(point.model.ERRORS):
+        values = _statistics(history.errors[i, :, :count])
+        _carry_back(values, history, i, count, point, result)
+        for statistic in HISTORY_STATISTICS:
+            yield pd.DataFrame(
+                {
+                    **coordinates,
+                    TIME: history.time,
+                    "error": name,
+                    "statistic": statistic,
+                    "value": _in_table_unit(name, values[statistic]),
+                    "unit": UNITS[name],
+                    "realizations": count,
+                }
+            )
+
+
+def _statistics(errors: Array) -> dict[str, Array]:
+    """Statistics (n + 1,) of errors (n + 1, r)."""
+    quantiles = np.quantile(errors, tuple(_PERCENTILES.values()), axis=-1)
+    return {
+        "mean": errors.mean(axis=-1),
+        "std": errors.std(axis=-1),
+        "rms": np.sqrt(np.mean(errors**2, axis=-1)),
+        **dict(zip(_PERCENTILES, quantiles, strict=True)),
+    }
+
+
+def _carry_back(
+    values: dict[str, Array],
+    history: History,
+    error: int,
+    count: int,
+    point: Point,
+    result: PointResult,
+) -> None:
+    """What the table knows of its instants, taken into the values until each of them."""
+    model = point.model
+    # In the order of time.
+    rows = [k for k, row in enumerate(model.error_rows) if row.name == model.ERRORS[error]]
+    names = statistic_names(model.PERCENTILES)
+    first = 0
+    for number, row in enumerate(rows):
+        time = model.error_rows[row].time
+        end = len(history.time) - 1
+        if time is not None:
+            end = int(np.argmin(np.abs(history.time - time)))
+        # After the last instant nothing more is known: what holds there goes on.
+        until = end + 1 if number + 1 < len(rows) else len(history.time)
+        known = dict(zip(names, result.estimates.value[row], strict=True))
+        if np.isfinite(known["mean"]):
+            errors = history.errors[error, :, :count]
+            _carry(values, errors, slice(first, until), end, known)
+        first = until
+
+
+def _carry(
+    values: dict[str, Array], errors: Array, span: slice, end: int, known: dict[str, float]
+) -> None:
+    """Regress a span of the values on what is known of the sample ``end``."""
+    own = {name: float(values[name][end]) for name in values}
+    slope, slope_of_squares = (
+        _slopes(errors[span] ** power, errors[end] ** power) for power in (1, 2)
+    )
+    before = values["mean"][span]
+    mean = before + slope * (known["mean"] - own["mean"])
+    # Changes of the variance, so that a small one keeps its digits beside a large mean.
+    change = slope_of_squares * (known["rms"] ** 2 - own["rms"] ** 2) - (mean**2 - before**2)
+    values["mean"][span] = mean
+    values["std"][span] = np.sqrt(np.maximum(values["std"][span] ** 2 + change, 0.0))
+    values["rms"][span] = np.sqrt(mean**2 + values["std"][span] ** 2)
+    for name in _PERCENTILES:
+        if name in known:
+            values[name][span] += slope * (known[name] - own[name])
+    for name in values.keys() & known.keys():
+        values[name][end] = known[name]
+
+
+def _slopes(errors: Array, end: Array) -> Array:
+    """Least-squares slopes (n,) of errors (n, r) over the end's (r,); zero if these are equal."""
+    deviation = end - end.mean()
+    spread = float(deviation @ deviation)
+    if not spread > 0.0:
+        return np.zeros(len(errors))
+    return np.asarray((errors - errors.mean(axis=-1, keepdims=True)) @ deviation / spread, float)
+
+
+def _tracks_frame(coordinates: dict[str, Any], history: History, count: int) -> pd.DataFrame:
+    """Sample tracks; the true one has realization -1."""
+    import pandas as pd
+
+    frames = [
+        pd.DataFrame(
+            {
+                **coordinates,
+                "realization": number,
+                TIME: history.time,
+                **dict(zip(history.coordinates, track, strict=True)),
+            }
+        )
+        for number, track in [
+            (-1, history.truth),
+            *((r, history.tracks[:, :, r]) for r in range(count)),
+        ]
+    ]
+    return pd.concat(frames, ignore_index=True)
