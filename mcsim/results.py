@@ -142,7 +142,7 @@ def _table(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
         if point.index in sweep.points
         for row in _point_rows(point, sweep.points[point.index])
     ]
-    columns = [*_coordinate_columns(scenario), *COLUMNS]
+    columns = [*coordinate_columns(scenario), *COLUMNS]
     return pd.DataFrame(rows, columns=columns)
 
 
@@ -151,7 +151,7 @@ def statistics_of(model: CaseScenario) -> tuple[str, ...]:
     return (*statistic_names(model.PERCENTILES), METHOD)
 
 
-def _coordinate_columns(scenario: Scenario) -> list[str]:
+def coordinate_columns(scenario: Scenario) -> list[str]:
     """What tells the rows of one error apart: swept values, and the instant if there are some."""
     timed = any(row.time is not None for row in scenario.base.error_rows)
     return [*(axis.column for axis in scenario.axes), *([TIME] if timed else [])]
@@ -200,7 +200,7 @@ def _budget(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
                     std = float(in_table_unit(row.name, np.sqrt(variance[i])))
                     share = float(variance[i] / total[i])
                     rows.append((*_coordinates(point, row), row.name, source, std, share, row.unit))
-    columns = _coordinate_columns(scenario)
+    columns = coordinate_columns(scenario)
     return pd.DataFrame(rows, columns=[*columns, "error", "source", "std", "share", "unit"])
 
 
