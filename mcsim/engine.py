@@ -92,6 +92,7 @@ def run_point(
         wanted = int(np.ceil(1.1 * count * wider**2))
         count = min(max(wanted, 2 * count), settings.max_realizations)
     _note_degenerate(problem, estimates, count, notes)
+    _note_not_finite(problem, estimates, notes)
     return PointResult(estimates, problem.method_errors(), count, notes, problem.linear.variances)
 
 
@@ -105,6 +106,7 @@ def _linear_point(problem: Problem, settings: MonteCarlo, key: int) -> PointResu
         low, high = checked.estimates.low[i, _RMS], checked.estimates.high[i, _RMS]
         if not low <= linear <= high and abs(linear / simulated - 1.0) > CONTRADICTION:
             notes[name] = "Monte Carlo contradicts the linear model by more than 1 %"
+    _note_not_finite(problem, estimates, notes)
     return PointResult(estimates, problem.method_errors(), 0, notes, problem.linear.variances)
 
 
@@ -179,6 +181,14 @@ def _relative_width(estimates: Estimates) -> Array:
 def _widest(estimates: Estimates) -> float:
     widths = _relative_width(estimates)
     return float(np.nanmax(widths)) if np.any(np.isfinite(widths)) else 0.0
+
+
+def _note_not_finite(problem: Problem, estimates: Estimates, notes: dict[str, str]) -> None:
+    """Say why numbers are missing where nothing else does."""
+    numbers = np.concatenate([estimates.value, estimates.low, estimates.high], axis=1)
+    for name, row in zip(problem.error_names, numbers, strict=True):
+        if not np.all(np.isfinite(row)):
+            notes.setdefault(name, "beyond the range of numbers: the inputs are too large or small")
 
 
 def _note_degenerate(

@@ -14,6 +14,7 @@ import numpy as np
 from mcsim.cases import problem_of
 from mcsim.engine import PointResult, point_key
 from mcsim.errors import InputError
+from mcsim.memory import check_memory, history_realizations
 from mcsim.scenario import UNITS, CaseScenario, ErrorRow, Point, Scenario
 from mcsim.statistics import statistic_names
 from mcsim.sweep import SweepResult, check_points, describe_point
@@ -30,10 +31,6 @@ TIME = "time [s]"
 #: What rows hold besides estimates: the error of the undisturbed reconstruction.
 METHOD = "method"
 HISTORY_STATISTICS = ("mean", "std", "rms", "p05", "p50", "p95")
-#: Realizations that histories are estimated from, at most.
-HISTORY_REALIZATIONS = 4000
-#: Long drives have smaller ensembles, so that histories fit in memory (samples x realizations).
-_MOST_HISTORY_STATES, _FEWEST_HISTORY_REALIZATIONS = 3_000_000, 200
 _MOST_HISTORY_ROWS = 20_000_000
 #: Smaller shares of the variance are rounding.
 _LEAST_SHARE = 1e-20
@@ -83,9 +80,10 @@ def check(scenario: Scenario) -> None:
     Raises
     ------
     InputError
-        A point's track cannot be built or sampled, or too many histories are asked for.
+        A point's track cannot be built or sampled, or more memory is asked for than there may be.
     """
     counts = check_points(scenario)
+    check_memory(scenario, counts)
     outputs = scenario.base.outputs
     per_sample = outputs.tracks + outputs.history * len(scenario.base.ERRORS) * len(
         HISTORY_STATISTICS
@@ -215,12 +213,7 @@ def _over_time(scenario: Scenario) -> tuple[pd.DataFrame | None, pd.DataFrame | 
     for point in scenario.points:
         settings = point.model.monte_carlo
         problem = problem_of(point.model, scenario.folder)
-        samples = problem.n_samples + 1
-        count = min(
-            settings.realizations or HISTORY_REALIZATIONS,
-            HISTORY_REALIZATIONS,
-            max(_FEWEST_HISTORY_REALIZATIONS, _MOST_HISTORY_STATES // samples),
-        )
+        count = history_realizations(point.model, problem.n_samples + 1)
         n_tracks = min(outputs.tracks, settings.realizations or outputs.tracks)
         if not outputs.history:
             count = n_tracks

@@ -72,7 +72,8 @@ def save(results: Results, folder: Path) -> list[Path]:
         "tracks": results.tracks,
     }
     remove_figures(folder)
-    written, marks = [], {}
+    written: list[Path] = []
+    marks: dict[str, str] = {}
     with readable_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for name, table in tables.items():
@@ -140,7 +141,7 @@ def load(path: str | Path) -> pd.DataFrame:
         provenance beside it tells of.
     """
     file = _table_file(Path(path))
-    marks = {}
+    marks: Mapping[str, Any] = {}
     if (file.parent / PROVENANCE).exists():
         marks = _marks(read_provenance(file.parent))
     table = read_table(file, marks)

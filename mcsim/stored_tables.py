@@ -119,10 +119,9 @@ def refuse_others(file: Path, table: pd.DataFrame, scenario: Scenario) -> None:
     InputError
         See above.
     """
-    for name, known in (
-        ("error", set(scenario.base.ERRORS)),
-        *((axis.column, set(axis.values)) for axis in scenario.axes),
-    ):
+    of_columns: dict[str, set[Any]] = {"error": set(scenario.base.ERRORS)}
+    of_columns |= {axis.column: set(axis.values) for axis in scenario.axes}
+    for name, known in of_columns.items():
         others = [value for value in table[name].unique().tolist() if value not in known]
         if others:
             raise InputError(

@@ -11,7 +11,6 @@ Scratch arrays are flat, one row of ``LANES`` values after the other.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -203,7 +202,7 @@ def _digitise(largest, resolution, measured):
         value = measured[j]
         value = value if value < largest else largest
         value = value if value > -largest else -largest
-        measured[j] = resolution * math.floor(value * steps + 0.5)
+        measured[j] = resolution * np.floor(value * steps + 0.5)
 
 
 @scalar

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from mcsim.errors import InputError
+from mcsim.files import read_text as read_bounded_text
 
 PathKey = tuple[str | int, ...]
 
@@ -69,26 +70,7 @@ def read_text(path: Path, genre: Genre = SCENARIO) -> str:
     InputError
         Not a readable UTF-8 file, or absurdly large.
     """
-    try:
-        if path.is_dir():
-            raise InputError(f"{path}: is a directory; name a {genre.name} file")
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-        if len(content) > LARGEST_FILE:
-            raise InputError(
-                f"{path}: larger than {LARGEST_FILE >> 10} KiB; not a {genre.name} file"
-            )
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: not UTF-8 text (byte {error.start}); save the file as UTF-8"
-        ) from None
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot be read ({reason})") from None
-    return text
+    return read_bounded_text(path, LARGEST_FILE, f"{genre.name} file")
 
 
 def parse_document(text: str, source: str = "scenario", genre: Genre = SCENARIO) -> Document:

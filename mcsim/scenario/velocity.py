@@ -30,6 +30,8 @@ from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
 #: Rows of the source's budget tables.
 BUDGET_ROWS = 26
 _LONGEST = 3600.0
+#: Of a correction's coefficients, which are about one or zero.
+_LARGEST = 1e6
 
 
 class Swing(Block):
@@ -152,8 +154,8 @@ class RawAccelerometer(Block):
 class Number(Block):
     """A dimensionless quantity: estimate and standard uncertainty."""
 
-    estimate: FiniteFloat
-    uncertainty: Annotated[FiniteFloat, NotNegative] = 0.0
+    estimate: Annotated[FiniteFloat, Ge(-_LARGEST), Le(_LARGEST)]
+    uncertainty: Annotated[FiniteFloat, NotNegative, Le(_LARGEST)] = 0.0
 
 
 class Bias(Block):
