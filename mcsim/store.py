@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcsim.checkpoints import Checkpoint
 from mcsim.errors import InputError
+from mcsim.files import readable
 from mcsim.results import Results
 from mcsim.scenario import Scenario
 from mcsim.stored_tables import (
@@ -18,6 +19,7 @@ from mcsim.stored_tables import (
     mark_of,
     read_provenance,
     read_table,
+    refuse_mixed,
     refuse_others,
     refuse_unfit,
 )
@@ -162,6 +164,7 @@ def load_results(path: str | Path) -> Results:
     folder = file.parent
     provenance = read_provenance(folder)
     scenario = _scenario(provenance, folder)
+    refuse_mixed(folder, _marks(provenance))
     files = {
         name: folder / f"{name}.parquet"
         for name in _EXTRA_TABLES
@@ -192,9 +195,10 @@ def _checked(
     table = read_table(file, _marks(provenance))
     # A budget has no rows where nothing disturbs.
     if name != "budget" or len(table):
-        refuse_unfit(file, table, columns_of(name, scenario))
-        if name != "tracks":
-            refuse_others(file, table, scenario)
+        with readable(file, "table of results"):
+            refuse_unfit(file, table, columns_of(name, scenario))
+            if name != "tracks":
+                refuse_others(file, table, scenario)
     return table
 
 

@@ -57,13 +57,30 @@ def read_table(file: Path, marks: Mapping[str, Any]) -> pd.DataFrame:
         No such file, not a table, or not the one that the provenance tells of.
     """
     content = _content(file, _LARGEST_TABLE)
+    _refuse_unmarked(file, content, marks)
+    with readable(file, "table of results"):
+        return _parsed(content, file.suffix == ".csv")
+
+
+def refuse_mixed(folder: Path, marks: Mapping[str, Any]) -> None:
+    """Refuse a folder that holds a table of another run than its provenance tells of.
+
+    Raises
+    ------
+    InputError
+        See above.
+    """
+    for file in sorted(folder.iterdir()):
+        if file.name in marks:
+            _refuse_unmarked(file, _content(file, _LARGEST_TABLE), marks)
+
+
+def _refuse_unmarked(file: Path, content: bytes, marks: Mapping[str, Any]) -> None:
     if file.name in marks and marks[file.name] != mark_of(content):
         raise InputError(
             f"{file}: not the table that {PROVENANCE} beside it tells of: damaged, changed, or "
             "of another run that was stopped while it wrote; run the scenario again"
         )
-    with readable(file, "table of results"):
-        return _parsed(content, file.suffix == ".csv")
 
 
 def _content(file: Path, largest: int) -> bytes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import StringIO
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ PathKey = tuple[str | int, ...]
 LARGEST_FILE = 1 << 18
 LARGEST_TREE = 100_000
 DEEPEST_TREE = 50
+#: A whole number of more digits is a slip, and one of thousands Python will not even print.
+_MOST_DIGITS = 40
 
 
 @dataclass(frozen=True)
@@ -96,6 +99,17 @@ def parse_scalar(text: str, source: str) -> Any:
     return _Plain(source, {}).convert(_load_yaml(text, source), (), 1)
 
 
+def plain_tree(tree: Any, source: str) -> Any:
+    """A copy of nested containers of Python that holds what YAML may hold, and no more.
+
+    Raises
+    ------
+    InputError
+        Absurdly large, deep or long, or something else than plain texts and numbers.
+    """
+    return _Plain(source, {}).convert(tree, (), 1)
+
+
 def _load_yaml(text: str, source: str) -> Any:
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError
@@ -135,14 +149,16 @@ class _Plain:
         self.lines[path] = line
         if isinstance(node, dict):
             return self._mapping(node, path, line)
-        if isinstance(node, list):
+        if isinstance(node, list | tuple):
             return [
                 self.convert(item, (*path, i), _line_of(node, i, line))
                 for i, item in enumerate(node)
             ]
         if isinstance(node, bool) or node is None:
             return node
-        for plain in (int, float, str):
+        if isinstance(node, Integral):
+            return self._short(int(node), path, line)
+        for plain in (float, str):
             if isinstance(node, plain):
                 return self._printable(plain(node), path, line)
         # Booleans that carry an anchor, dates, tagged values.
@@ -152,6 +168,14 @@ class _Plain:
             f"{self.source}:{line}: {'.'.join(map(str, path))}: "
             f"a plain text or number is needed here (write quotes around it)"
         )
+
+    def _short(self, value: int, path: PathKey, line: int) -> int:
+        if abs(value) >= 10**_MOST_DIGITS:
+            raise InputError(
+                f"{self.source}:{line}: {'.'.join(map(str, path))}: "
+                f"is a number of more than {_MOST_DIGITS} digits"
+            )
+        return value
 
     def _printable(self, value: Any, path: PathKey, line: int) -> Any:
         if isinstance(value, str) and any("\ud800" <= sign <= "\udfff" for sign in value):
@@ -163,7 +187,7 @@ class _Plain:
     def _mapping(self, node: Any, path: PathKey, line: int) -> dict[str, Any]:
         plain = {}
         for key, item in node.items():
-            name = str(key)
+            name = str(self._short(key, path, line) if isinstance(key, int) else key)
             plain[name] = self.convert(item, (*path, name), _line_of(node, key, line))
         return plain
 
