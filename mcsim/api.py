@@ -11,6 +11,7 @@ from mcsim.results import Results, assemble, check
 from mcsim.scenario import Scenario
 from mcsim.store import Checkpoint, save
 from mcsim.sweep import Progress, run_sweep
+from mcsim.writing import alone_in
 
 
 def run(
@@ -48,7 +49,8 @@ def run(
     Raises
     ------
     InputError
-        A point that cannot run, or an output folder that cannot be written.
+        A point that cannot run, or an output folder that cannot be written or that another
+        run is writing into.
     McsimError
         No point could be run.
     """
@@ -58,22 +60,30 @@ def run(
         sweep = run_sweep(scenario, jobs, progress, dask=dask)
         return assemble(scenario, sweep, time.perf_counter() - begun)
     folder = Path(output) / scenario.name
-    checkpoint = Checkpoint.of(scenario, folder)
-    done = checkpoint.read()
-    with checkpoint.writer() as keep:
-        sweep = run_sweep(scenario, jobs, progress, done, keep, dask)
-    if not sweep.points:
-        raise McsimError(
-            f"{scenario.name}: no point could be run, nothing was written: "
-            f"{next(iter(sweep.failures.values()))}"
-        )
-    results = assemble(scenario, sweep, time.perf_counter() - begun)
-    save(results, folder)
-    (draw or _draw)(results, folder)
-    # Failed points are tried again by the same command; the others are kept till then.
-    if not sweep.failures:
-        checkpoint.remove()
+    with alone_in(folder):
+        checkpoint = Checkpoint.of(scenario, folder)
+        done, damaged = checkpoint.recover()
+        with checkpoint.writer() as keep:
+            sweep = run_sweep(scenario, jobs, progress, done, keep, dask)
+        if not sweep.points:
+            raise McsimError(
+                f"{scenario.name}: no point could be run, nothing was written: "
+                f"{next(iter(sweep.failures.values()))}"
+            )
+        results = assemble(scenario, sweep, time.perf_counter() - begun)
+        if damaged:
+            results.provenance["remarks"].append(_recomputed(damaged))
+        save(results, folder)
+        (draw or _draw)(results, folder)
+        # Failed points are tried again by the same command; the others are kept till then.
+        if not sweep.failures:
+            checkpoint.remove()
     return results
+
+
+def _recomputed(damaged: int) -> str:
+    lines = "line" if damaged == 1 else "lines"
+    return f"checkpoint: {damaged} damaged {lines} left out; what they held was computed again"
 
 
 def _draw(results: Results, folder: Path) -> None:

@@ -117,6 +117,7 @@ def run_point(
         count = min(max(wanted, 2 * count), settings.most_realizations)
     _note_degenerate(problem, estimates, count, notes)
     _note_uncertain(problem, settings, estimates, count, notes)
+    _note_not_finite(problem, estimates, notes)
     return _result(problem, estimates, count, notes, [*limits, *_without_effect(settings, count)])
 
 
@@ -199,6 +200,7 @@ def _linear_point(problem: Problem, settings: MonteCarlo, key: int) -> PointResu
                 name,
                 "Monte Carlo contradicts the linear model by more than 1 % of the RMS: " + where,
             )
+    _note_not_finite(problem, estimates, notes)
     return PointResult(
         estimates,
         problem.method_errors(),
@@ -314,6 +316,14 @@ def _relative_width(estimates: Estimates) -> Array:
 def _widest(estimates: Estimates) -> float:
     widths = _relative_width(estimates)
     return float(np.nanmax(widths)) if np.any(np.isfinite(widths)) else 0.0
+
+
+def _note_not_finite(problem: Problem, estimates: Estimates, notes: Notes) -> None:
+    """Say why numbers are missing where nothing else does."""
+    numbers = np.concatenate([estimates.value, estimates.low, estimates.high], axis=1)
+    for name, row in zip(problem.error_names, numbers, strict=True):
+        if not np.all(np.isfinite(row)):
+            notes.setdefault(name, "beyond the range of numbers: the inputs are too large or small")
 
 
 def _note_degenerate(problem: Problem, estimates: Estimates, count: int, notes: Notes) -> None:

@@ -8,7 +8,7 @@ Whatever goes wrong inside ends in one ``InputError`` that names the file::
     with open_bytes(path) as file:   # text or tables: plain, .gz, .xz, .bz2, .zst
         ...
     text = read_text(path, LARGEST, "scenario")
-    with readable(path):             # around the call of another library's reader
+    with readable(path, "bag"):      # around the call of another library's reader
         ...
 """
 
@@ -88,7 +88,7 @@ def check_file(path: Path, largest: int = LARGEST_TABLE, what: str = "file") -> 
     InputError
         There is no such file, it is none (a folder, a pipe, a device), or it is too large.
     """
-    with readable(path):
+    with readable(path, what):
         status = path.stat()
     for is_kind, said in _KINDS:
         if is_kind(status.st_mode):
@@ -112,7 +112,7 @@ def open_bytes(path: Path, largest: int = LARGEST_TABLE, what: str = "file") -> 
         or unpacks to more than any log holds.
     """
     size = check_file(path, largest, what)
-    with readable(path), path.open("rb", _LOOKED_AT) as packed:
+    with readable(path, what), path.open("rb", _LOOKED_AT) as packed:
         head = packed.read(_HEAD)
         packed.seek(0)
         _refuse_foreign(path, head)
@@ -158,7 +158,7 @@ def read_text(path: Path, largest: int, what: str) -> str:
         As ``open_bytes``, or the file is no UTF-8 text.
     """
     check_file(path, largest, what)
-    with readable(path):
+    with readable(path, what):
         return path.read_bytes()[: largest + 1].decode("utf-8-sig")
 
 
@@ -171,7 +171,7 @@ def likely_size(path: Path) -> int:
 
 
 @contextmanager
-def readable(path: Path) -> Iterator[None]:
+def readable(path: Path, what: str = "file") -> Iterator[None]:
     """Turns whatever is raised while a file is read into one sentence about it.
 
     For the call of a reader alone: errors of the program would look like the file's.
@@ -196,7 +196,8 @@ def readable(path: Path) -> Iterator[None]:
     except Exception as error:
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
         first = reason.strip().splitlines()[0] if reason.strip() else type(error).__name__
-        raise InputError(f"{path}: cannot be read ({first})") from None
+        as_what = f" as a {what}" if what != "file" else ""
+        raise InputError(f"{path}: cannot be read{as_what} ({first})") from None
 
 
 class _Bounded(io.RawIOBase):

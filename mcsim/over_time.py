@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from mcsim.cases import History, problem_of
 from mcsim.engine import PointResult, point_key
+from mcsim.memory import HISTORY_REALIZATIONS, history_realizations
 from mcsim.scenario import UNITS, Point, Scenario
 from mcsim.scenario.error_names import ErrorName
 from mcsim.statistics import statistic_names
@@ -32,10 +33,6 @@ Array = NDArray[np.float64]
 #: The column of the instant, in tables that hold several.
 TIME = "time [s]"
 HISTORY_STATISTICS = ("mean", "std", "rms", "p05", "p50", "p95")
-#: Realizations that histories are estimated from, at most.
-HISTORY_REALIZATIONS = 4000
-#: Long drives have smaller ensembles, so that histories fit in memory (samples x realizations).
-_MOST_HISTORY_STATES, _FEWEST_HISTORY_REALIZATIONS = 3_000_000, 200
 _PERCENTILES = {"p05": 0.05, "p50": 0.5, "p95": 0.95}
 
 
@@ -72,11 +69,7 @@ def _simulated(point: Point, scenario: Scenario, result: PointResult) -> tuple[H
     settings, outputs = point.model.monte_carlo, scenario.base.outputs
     problem = problem_of(point.model, scenario.folder)
     behind = result.realizations or settings.realizations or HISTORY_REALIZATIONS
-    count = min(
-        behind,
-        HISTORY_REALIZATIONS,
-        max(_FEWEST_HISTORY_REALIZATIONS, _MOST_HISTORY_STATES // (problem.n_samples + 1)),
-    )
+    count = history_realizations(behind, problem.n_samples + 1)
     n_tracks = min(outputs.tracks, behind)
     if not outputs.history:
         count = n_tracks

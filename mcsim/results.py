@@ -14,6 +14,7 @@ import numpy as np
 
 from mcsim.engine import PointResult
 from mcsim.errors import InputError
+from mcsim.memory import check_memory
 from mcsim.over_time import HISTORY_STATISTICS, TIME, over_time
 from mcsim.scenario import UNITS, CaseScenario, ErrorRow, Point, Scenario
 from mcsim.scenario.effect import without_effect
@@ -80,9 +81,10 @@ def check(scenario: Scenario) -> None:
     Raises
     ------
     InputError
-        A point's track cannot be built or sampled, or too many histories are asked for.
+        A point's track cannot be built or sampled, or more memory is asked for than there may be.
     """
     counts = check_points(scenario)
+    check_memory(scenario, counts)
     outputs = scenario.base.outputs
     per_sample = outputs.tracks + outputs.history * len(scenario.base.ERRORS) * len(
         HISTORY_STATISTICS
@@ -140,7 +142,7 @@ def _table(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
         if point.index in sweep.points
         for row in _point_rows(point, sweep.points[point.index])
     ]
-    columns = [*_coordinate_columns(scenario), *COLUMNS]
+    columns = [*coordinate_columns(scenario), *COLUMNS]
     return pd.DataFrame(rows, columns=columns)
 
 
@@ -149,7 +151,7 @@ def statistics_of(model: CaseScenario) -> tuple[str, ...]:
     return (*statistic_names(model.PERCENTILES), METHOD)
 
 
-def _coordinate_columns(scenario: Scenario) -> list[str]:
+def coordinate_columns(scenario: Scenario) -> list[str]:
     """What tells the rows of one error apart: swept values, and the instant if there are some."""
     timed = any(row.time is not None for row in scenario.base.error_rows)
     return [*(axis.column for axis in scenario.axes), *([TIME] if timed else [])]
@@ -198,7 +200,7 @@ def _budget(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
                     std = float(in_table_unit(row.name, np.sqrt(variance[i])))
                     share = float(variance[i] / total[i])
                     rows.append((*_coordinates(point, row), row.name, source, std, share, row.unit))
-    columns = _coordinate_columns(scenario)
+    columns = coordinate_columns(scenario)
     return pd.DataFrame(rows, columns=[*columns, "error", "source", "std", "share", "unit"])
 
 

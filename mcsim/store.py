@@ -1,30 +1,55 @@
-"""Results on disk: whole files or none, checkpoints of unfinished sweeps, loading."""
+"""Results on disk: whole files or none, all of one run, and reading them back."""
 
 from __future__ import annotations
 
-import hashlib
 import json
-import os
-import tempfile
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from mcsim.engine import PointResult
+from mcsim.checkpoints import Checkpoint
 from mcsim.errors import InputError
+from mcsim.files import readable
 from mcsim.results import Results
 from mcsim.scenario import Scenario
-from mcsim.statistics import Estimates
-from mcsim.version import __version__
+from mcsim.stored_tables import (
+    MARKS,
+    PROVENANCE,
+    columns_of,
+    mark_of,
+    read_provenance,
+    read_table,
+    refuse_mixed,
+    refuse_others,
+    refuse_unfit,
+)
+from mcsim.writing import (
+    csv_writer,
+    parquet_writer,
+    readable_errors,
+    remove_stale,
+    write_table,
+    write_text,
+    write_whole,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
 
-TABLE, PROVENANCE, CHECKPOINT = "table", "provenance.json", ".checkpoint-"
+__all__ = [
+    "Checkpoint",
+    "load",
+    "load_results",
+    "readable_errors",
+    "remove_figures",
+    "save",
+    "write_provenance",
+    "write_table",
+    "write_text",
+    "write_whole",
+]
+
+TABLE = "table"
 #: Tables beside the main one; each as CSV and Parquet.
 _EXTRA_TABLES = ("budget", "history", "tracks")
 _PICTURES = ("png", "svg")
@@ -33,8 +58,9 @@ _PICTURES = ("png", "svg")
 def save(results: Results, folder: Path) -> list[Path]:
     """Write the tables and the provenance of a run into ``folder``; return the files.
 
-    Each file appears whole or not at all.  Files that an earlier run left and this
-    one does not have are removed.
+    Each file appears whole or not at all.  The provenance comes last and holds the digests of
+    the tables: of a run that is stopped in between nothing is taken for the other's.  Files
+    that an earlier run left and this one does not have are removed, and so are its pictures.
 
     Raises
     ------
@@ -47,19 +73,32 @@ def save(results: Results, folder: Path) -> list[Path]:
         "history": results.history,
         "tracks": results.tracks,
     }
-    written = []
+    remove_figures(folder)
+    written: list[Path] = []
+    marks: dict[str, str] = {}
     with readable_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for name, table in tables.items():
             if table is None:
                 _remove(folder, name, ("csv", "parquet", *_PICTURES))
                 continue
-            written += [
-                write_whole(folder / f"{name}.csv", _csv_writer(table)),
-                write_whole(folder / f"{name}.parquet", _parquet_writer(table)),
-            ]
-    written.append(write_provenance(results.provenance, folder))
+            for ending, writer in (("csv", csv_writer), ("parquet", parquet_writer)):
+                file = folder / f"{name}.{ending}"
+                written.append(write_whole(file, _marked(writer(table), file.name, marks)))
+    written.append(write_provenance({**results.provenance, MARKS: marks}, folder))
     return written
+
+
+def _marked(
+    write: Callable[[Path], None], name: str, marks: dict[str, str]
+) -> Callable[[Path], None]:
+    """Writes a file, and notes its digest under its name."""
+
+    def write_and_mark(path: Path) -> None:
+        write(path)
+        marks[name] = mark_of(path.read_bytes())
+
+    return write_and_mark
 
 
 def write_provenance(provenance: Mapping[str, Any], folder: Path) -> Path:
@@ -89,77 +128,9 @@ def remove_figures(folder: Path) -> None:
 
 def _remove(folder: Path, name: str, endings: tuple[str, ...]) -> None:
     for ending in endings:
-        (folder / f"{name}.{ending}").unlink(missing_ok=True)
-
-
-def write_table(table: pd.DataFrame, folder: Path, name: str) -> Path:
-    """Write one table as CSV into ``folder``, whole or not at all.
-
-    Raises
-    ------
-    InputError
-        The folder cannot be written.
-    """
-    with readable_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        return write_whole(folder / f"{name}.csv", _csv_writer(table))
-
-
-def write_text(text: str, folder: Path, name: str) -> Path:
-    """Write one text file into ``folder``, whole or not at all.
-
-    Raises
-    ------
-    InputError
-        The folder cannot be written.
-    """
-    with readable_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        return write_whole(folder / name, lambda path: _write_text(path, text))
-
-
-def write_whole(path: Path, write: Callable[[Path], None]) -> Path:
-    """Write beside ``path`` and move into place, so that no half-written file is ever seen."""
-    descriptor, name = tempfile.mkstemp(
-        prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent
-    )
-    os.close(descriptor)
-    beside = Path(name)
-    try:
-        write(beside)
-        beside.chmod(0o666 & ~_umask())
-        beside.replace(path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
-    return path
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
-
-
-def _write_text(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
-
-
-def _csv_writer(table: pd.DataFrame) -> Callable[[Path], None]:
-    return lambda path: table.to_csv(path, index=False, lineterminator="\n")
-
-
-def _parquet_writer(table: pd.DataFrame) -> Callable[[Path], None]:
-    return lambda path: table.to_parquet(path, index=False)
-
-
-@contextmanager
-def readable_errors(folder: Path) -> Iterator[None]:
-    """Turns errors of the file system into one message about ``folder``."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be written ({error.strerror or error})") from None
+        file = folder / f"{name}.{ending}"
+        file.unlink(missing_ok=True)
+        remove_stale(file)
 
 
 def load(path: str | Path) -> pd.DataFrame:
@@ -168,20 +139,17 @@ def load(path: str | Path) -> pd.DataFrame:
     Raises
     ------
     InputError
-        There is no result at that place.
+        There is no result at that place, it is damaged, or it is not of the run that the
+        provenance beside it tells of.
     """
-    import pandas as pd
-
     file = _table_file(Path(path))
-    try:
-        if file.suffix == ".csv":
-            table = pd.read_csv(file, engine="pyarrow")  # reads floats exactly
-            if "note" in table:
-                table["note"] = table["note"].astype(object).fillna("").astype(str)
-            return table
-        return pd.read_parquet(file)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{file}: not a table of results ({error})") from None
+    marks: Mapping[str, Any] = {}
+    if (file.parent / PROVENANCE).exists():
+        marks = _marks(read_provenance(file.parent))
+    table = read_table(file, marks)
+    if file.stem == TABLE:
+        refuse_unfit(file, table)
+    return table
 
 
 def load_results(path: str | Path) -> Results:
@@ -190,131 +158,61 @@ def load_results(path: str | Path) -> Results:
     Raises
     ------
     InputError
-        There is no result at that place, or its provenance is damaged.
+        There is no result at that place, or parts of it are damaged or of another run.
     """
-    import pandas as pd
-
     file = _table_file(Path(path))
     folder = file.parent
-    try:
-        provenance = json.loads((folder / PROVENANCE).read_text(encoding="utf-8"))
-        name = Path(provenance["name"]).name
-        scenario = Scenario.from_dict(provenance["scenario"], name, folder)
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            f"{folder / PROVENANCE}: not the provenance of a result ({error})"
-        ) from None
-    extra: dict[str, Any] = {
-        name: pd.read_parquet(folder / f"{name}.parquet")
+    provenance = read_provenance(folder)
+    scenario = _scenario(provenance, folder)
+    refuse_mixed(folder, _marks(provenance))
+    files = {
+        name: folder / f"{name}.parquet"
         for name in _EXTRA_TABLES
         if (folder / f"{name}.parquet").exists()
     }
-    return Results(scenario, load(file), provenance, **extra)
+    tables = {
+        name: _checked(part, name, scenario, provenance)
+        for name, part in {TABLE: file, **files}.items()
+    }
+    return Results(scenario, tables.pop(TABLE), provenance, **tables)
+
+
+def _scenario(provenance: Mapping[str, Any], folder: Path) -> Scenario:
+    try:
+        name = Path(provenance["name"]).name
+        for key in ("remarks", "failures"):
+            list(provenance[key])
+        return Scenario.from_dict(dict(provenance["scenario"]), name, folder)
+    except (ValueError, LookupError, TypeError, AttributeError, InputError) as error:
+        raise InputError(
+            f"{folder / PROVENANCE}: not the provenance of a result ({error})"
+        ) from None
+
+
+def _checked(
+    file: Path, name: str, scenario: Scenario, provenance: Mapping[str, Any]
+) -> pd.DataFrame:
+    table = read_table(file, _marks(provenance))
+    # A budget has no rows where nothing disturbs.
+    if name != "budget" or len(table):
+        with readable(file, "table of results"):
+            refuse_unfit(file, table, columns_of(name, scenario))
+            if name != "tracks":
+                refuse_others(file, table, scenario)
+    return table
+
+
+def _marks(provenance: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Digests of the tables by file name; results of earlier versions have none."""
+    marks = provenance.get(MARKS, {})
+    return marks if isinstance(marks, dict) else {}
 
 
 def _table_file(path: Path) -> Path:
     if path.is_file():
         return path
     for ending in ("parquet", "csv"):
-        if (path / f"{TABLE}.{ending}").is_file():
+        if (path / f"{TABLE}.{ending}").exists():
             return path / f"{TABLE}.{ending}"
     what = "holds no table.csv" if path.is_dir() else "no such result"
     raise InputError(f"{path}: {what}; name the folder that `mcsim run` wrote")
-
-
-@dataclass(frozen=True)
-class Checkpoint:
-    """Finished points of an unfinished sweep, one line of JSON each.
-
-    The file's name tells what the points belong to: a run of another scenario, seed or
-    version has another file.  Lines are only ever appended; one cut short by a kill is
-    dropped.
-    """
-
-    path: Path
-
-    @classmethod
-    def of(cls, scenario: Scenario, folder: Path) -> Checkpoint:
-        """The checkpoint of a scenario whose results go to ``folder``."""
-        digest = hashlib.blake2b(digest_size=16)
-        digest.update(f"{__version__}\n{json.dumps(scenario.document.tree)}".encode())
-        for name in sorted({name for point in scenario.points for name in point.model.files}):
-            digest.update((scenario.folder / name).read_bytes())
-        return cls(folder / f"{CHECKPOINT}{digest.hexdigest()}.jsonl")
-
-    def read(self) -> dict[int, PointResult]:
-        """The points that an earlier run finished; floats to the last bit."""
-        try:
-            lines = self.path.read_text(encoding="utf-8").splitlines()
-        except (OSError, UnicodeDecodeError):
-            return {}
-        points: dict[int, PointResult] = {}
-        for line in lines:
-            try:
-                index, result = _decode(json.loads(line))
-            except (ValueError, KeyError, TypeError):
-                continue
-            points[index] = result
-        return points
-
-    @contextmanager
-    def writer(self) -> Iterator[Callable[[int, PointResult], None]]:
-        """A function that appends a finished point."""
-        with readable_errors(self.path.parent):
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            file = self.path.open("a", encoding="utf-8")
-        try:
-            with file:
-                yield lambda index, result: _append(file, _encode(index, result))
-        finally:
-            # Interrupted before the first point, too: nothing is kept, nothing is left.
-            if self.path.stat().st_size == 0:
-                self.remove()
-                with suppress(OSError):  # the folder holds other files
-                    self.path.parent.rmdir()
-
-    def remove(self) -> None:
-        """Forget the points: the results are written."""
-        self.path.unlink(missing_ok=True)
-
-
-def _append(file: TextIO, record: dict[str, Any]) -> None:
-    # The leading break ends a line that an earlier run may have left unfinished.
-    file.write("\n" + json.dumps(record) + "\n")
-    file.flush()
-
-
-def _encode(index: int, result: PointResult) -> dict[str, Any]:
-    def exact(values: Any) -> list[Any]:
-        return [[float(x).hex() for x in row] for row in np.atleast_2d(values)]
-
-    estimates = result.estimates
-    return {
-        "index": index,
-        "value": exact(estimates.value),
-        "low": exact(estimates.low),
-        "high": exact(estimates.high),
-        "degenerate": [bool(x) for x in estimates.degenerate],
-        "method": exact(result.method),
-        "realizations": result.realizations,
-        "notes": result.notes,
-        "limits": list(result.limits),
-        "variances": {source: exact(v)[0] for source, v in result.variances.items()},
-    }
-
-
-def _decode(record: dict[str, Any]) -> tuple[int, PointResult]:
-    def exact(name: str) -> Any:
-        return np.array([[float.fromhex(x) for x in row] for row in record[name]])
-
-    estimates = Estimates(
-        exact("value"), exact("low"), exact("high"), np.array(record["degenerate"], bool)
-    )
-    return int(record["index"]), PointResult(
-        estimates,
-        exact("method")[0],
-        int(record["realizations"]),
-        dict(record["notes"]),
-        {s: np.array([float.fromhex(x) for x in v]) for s, v in record["variances"].items()},
-        tuple(record["limits"]),
-    )

@@ -29,6 +29,8 @@ from mcsim.unit_notation import Powers, plain_quantity, powers
 STANDARD_GRAVITY = 9.80665  # m/s^2, CGPM 1901
 
 _DEG = math.pi / 180.0
+#: Quantities below (in SI units) are slips of the pen; fourth powers of what is above are numbers.
+_SMALLEST = 1e-30
 
 
 @dataclass(frozen=True)
@@ -280,6 +282,11 @@ def parse(text: str, kind: Kind) -> float:
         raise UnitError(
             f'"{text}" is beyond any use; '
             f"the largest {kind.name} is {kind.largest:g} {kind.si_unit}"
+        )
+    if 0.0 < abs(si) < _SMALLEST:
+        raise UnitError(
+            f'"{text}" is too small for any use; write zero, or at least '
+            f"{_SMALLEST:g} {kind.si_unit}"
         )
     return si
 

@@ -352,7 +352,7 @@ def test_damaged_results_are_explained(scenario_file, tmp_path, capsys):
     table = tmp_path / "case" / "table.csv"
     table.write_text(table.read_text().replace("statistic", "static"))
     assert exit_code(["plot", str(tmp_path / "case")]) == 2
-    assert "a damaged result" in capsys.readouterr().err
+    assert "not the table that provenance.json beside it tells of" in capsys.readouterr().err
 
 
 def test_kernels_run_without_a_folder_for_compiled_code():

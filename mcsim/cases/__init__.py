@@ -64,9 +64,13 @@ def check_point(model: CaseScenario, folder: Path) -> int:
         return step_count(model)
     if isinstance(model, StrapdownScenario):
         from mcsim.cases.planar import sample_count
-        from mcsim.trajectory.spatial import spatial_drive
+        from mcsim.trajectory import drive_of
+        from mcsim.trajectory.spatial import check_lean
 
-        return sample_count(spatial_drive(model, folder).drive, model.sensors.rate)
+        drive = drive_of(model.trajectory, folder)
+        count = sample_count(drive, model.sensors.rate)
+        check_lean(model, drive)
+        return count
     raise _unknown(model)
 
 

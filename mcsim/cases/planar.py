@@ -39,8 +39,8 @@ from mcsim.sensors.sampling import Signals, oversampling, power_beyond, sample
 from mcsim.trajectory import Drive, Motion, drive_of
 from mcsim.units import STANDARD_GRAVITY
 
-#: Samples per track beyond which the arrays of the truth become absurd.
-_MOST_DENSE_SAMPLES = 20_000_000
+#: Dense samples of the truth and samples of a drive whose arrays fit in memory (some 2 GB).
+_MOST_DENSE_SAMPLES, _MOST_SAMPLES = 20_000_000, 3_000_000
 #: Forward and left acceleration, yaw rate.
 CHANNELS = (Channel(ACCELEROMETER, 0), Channel(ACCELEROMETER, 1), Channel(GYROSCOPE, 2))
 RATES = (False, False, True)
@@ -388,9 +388,10 @@ def sample_count(drive: Drive, rate: float) -> int:
             f"sensors.rate: the drive lasts {drive.duration:.4g} s, less than one sampling "
             f"interval; use a rate above {1.0 / drive.duration:.4g} Hz"
         )
-    if count * oversampling(rate) > _MOST_DENSE_SAMPLES:
+    if count * oversampling(rate) > _MOST_DENSE_SAMPLES or count > _MOST_SAMPLES:
         raise InputError(
             f"trajectory: the drive lasts {drive.duration:.4g} s, {count:,} samples at "
             f"{rate:g} Hz, more than mcsim can hold; shorten it"
+            f"{', or lower `sensors.rate`' if count > _MOST_SAMPLES else ''}"
         )
     return count

@@ -10,7 +10,8 @@ from mcsim.errors import InputError
 from mcsim.scenario import VelocityScenario
 from mcsim.sensors.raw_output import raw_errors
 
-_MOST_STEPS = 20_000_000
+#: Steps of all runs of a group, and of one run, whose arrays fit in memory (some 2 GB).
+_MOST_STEPS, _MOST_OF_A_RUN = 20_000_000, 2_000_000
 #: Samples of a group, and entries of its runs' covariances, that fit in memory where every
 #: sample is measured.
 _MOST_MEASURED, _MOST_COVARIANCES = 1_000_000, 5_000_000
@@ -43,6 +44,11 @@ def step_count(model: VelocityScenario) -> int:
             f"interval; use a rate above {1.0 / model.reported[0]:.4g} Hz"
         )
     n = steps_until(model.trajectory.duration, rate)
+    if n > _MOST_OF_A_RUN:
+        raise InputError(
+            f"trajectory.duration: a run of {n:,} samples is more than mcsim can hold; shorten it "
+            f"or lower `sensor.rate`, to {_MOST_OF_A_RUN:,} samples"
+        )
     if n * model.runs > _MOST_STEPS:
         raise InputError(
             f"runs: {model.runs} runs of {n:,} samples are more than mcsim can hold; "

@@ -16,6 +16,7 @@ from mcsim.cli.calibrate import calibrate, linearity
 from mcsim.cli.characterise import characterise
 from mcsim.cli.convert import convert
 from mcsim.cli.names import refuse_same_names
+from mcsim.cli.signals import stopped_like_ctrl_c
 from mcsim.cli.table import table
 from mcsim.cli.vibration import analyse_shipped, vibration
 from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError
@@ -58,7 +59,8 @@ def exit_code(arguments: Sequence[str] | None = None) -> int:
             # A terminal or pipe that lacks a sign gets a substitute, not an error.
             stream.reconfigure(errors="replace")
     try:
-        code = commands.main(arguments, prog_name="mcsim", standalone_mode=False)
+        with stopped_like_ctrl_c():
+            code = commands.main(arguments, prog_name="mcsim", standalone_mode=False)
         return code if isinstance(code, int) else EXIT_DONE
     except click.ClickException as error:
         error.show()
@@ -262,17 +264,22 @@ def figures(numbers: tuple[str, ...], jobs: int | None, output: Path, quiet: boo
 def plot(results: tuple[Path, ...], output: Path | None) -> None:
     """Draw stored results again."""
     from mcsim.figures import save_figures
-    from mcsim.store import load_results
+    from mcsim.store import load_results, readable_errors
 
     for path in results:
         stored = load_results(path)
         folder = path if path.is_dir() else path.parent
         if output is not None:
             folder = output / stored.scenario.name
-            folder.mkdir(parents=True, exist_ok=True)
+            with readable_errors(folder):
+                folder.mkdir(parents=True, exist_ok=True)
         try:
             files = save_figures(stored, folder)
-        except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+        except McsimError:
+            raise
+        except Exception as error:  # whatever strange tables make of a drawing
+            if os.environ.get("MCSIM_DEBUG"):
+                raise
             raise InputError(
                 f"{path}: a damaged result ({type(error).__name__}: {error}); run it again"
             ) from None

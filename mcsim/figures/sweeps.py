@@ -365,7 +365,7 @@ def _scale(axes: Axes, x_axis: Axis, values: Any, log: bool) -> None:
         log_scale(axes, "y", positive)
         # Method errors may fall far below; they do not decide what is in view.
         axes.set_ylim(bottom=0.6 * positive.min())
-    elif len(values) and np.nanmin(values) >= 0.0:
+    elif np.any(np.isfinite(values)) and np.nanmin(values) >= 0.0:
         axes.set_ylim(bottom=0.0)
 
 

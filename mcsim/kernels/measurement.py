@@ -131,7 +131,7 @@ def mean_output(value, spread, largest, resolution):
     """
     if spread <= 0.0:
         cut = min(max(value, -largest), largest)
-        only = resolution * math.floor(cut / resolution + 0.5) if resolution > 0.0 else cut
+        only = resolution * np.floor(cut / resolution + 0.5) if resolution > 0.0 else cut
         return only, 0.0
     if resolution <= 0.0:
         return _mean_cut(value, spread, largest), 0.0
@@ -140,9 +140,9 @@ def mean_output(value, spread, largest, resolution):
         return _mean_cut(value, spread, largest), resolution * resolution / 12.0
     reach = 8.0 * spread
     cut = min(max(value - reach, -largest), largest)
-    step = math.floor(cut / resolution + 0.5)
+    step = np.floor(cut / resolution + 0.5)
     cut = min(max(value + reach, -largest), largest)
-    last = math.floor(cut / resolution + 0.5)
+    last = np.floor(cut / resolution + 0.5)
     first, mean, square, slope, order = step, 0.0, 0.0, 0.0, 1.0
     while step < last:
         step += 1.0
@@ -320,7 +320,7 @@ def _digitise(largest, resolution, measured):
         value = measured[j]
         value = value if value < largest else largest
         value = value if value > -largest else -largest
-        measured[j] = resolution * math.floor(value * steps + 0.5)
+        measured[j] = resolution * np.floor(value * steps + 0.5)
 
 
 @scalar

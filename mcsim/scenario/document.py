@@ -6,10 +6,12 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import StringIO
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
 from mcsim.errors import InputError
+from mcsim.files import read_text as read_bounded_text
 
 PathKey = tuple[str | int, ...]
 
@@ -18,6 +20,8 @@ LARGEST_TREE = 100_000
 DEEPEST_TREE = 50
 MOST_BRACKETS = 200
 _BRACKETS = re.compile(r"[\[\]{}]")
+#: A whole number of more digits is a slip, and one of thousands Python will not even print.
+_MOST_DIGITS = 40
 
 
 @dataclass(frozen=True)
@@ -72,26 +76,7 @@ def read_text(path: Path, genre: Genre = SCENARIO) -> str:
     InputError
         Not a readable UTF-8 file, or absurdly large.
     """
-    try:
-        if path.is_dir():
-            raise InputError(f"{path}: is a directory; name a {genre.name} file")
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-        if len(content) > LARGEST_FILE:
-            raise InputError(
-                f"{path}: larger than {LARGEST_FILE >> 10} KiB; not a {genre.name} file"
-            )
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: not UTF-8 text (byte {error.start}); save the file as UTF-8"
-        ) from None
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot be read ({reason})") from None
-    return text
+    return read_bounded_text(path, LARGEST_FILE, f"{genre.name} file")
 
 
 def parse_document(text: str, source: str = "scenario", genre: Genre = SCENARIO) -> Document:
@@ -115,6 +100,17 @@ def parse_document(text: str, source: str = "scenario", genre: Genre = SCENARIO)
 def parse_scalar(text: str, source: str) -> Any:
     """The value of an override: YAML, so ``200 Hz``, ``3``, ``[1 m, 2 m]`` all work."""
     return _Plain(source, {}).convert(_load_yaml(text, source), (), 1)
+
+
+def plain_tree(tree: Any, source: str) -> Any:
+    """A copy of nested containers of Python that holds what YAML may hold, and no more.
+
+    Raises
+    ------
+    InputError
+        Absurdly large, deep or long, or something else than plain texts and numbers.
+    """
+    return _Plain(source, {}).convert(tree, (), 1)
 
 
 def _load_yaml(text: str, source: str) -> Any:
@@ -169,14 +165,16 @@ class _Plain:
         self.lines[path] = line
         if isinstance(node, dict):
             return self._mapping(node, path, line)
-        if isinstance(node, list):
+        if isinstance(node, list | tuple):
             return [
                 self.convert(item, (*path, i), _line_of(node, i, line))
                 for i, item in enumerate(node)
             ]
         if isinstance(node, bool) or node is None:
             return node
-        for plain in (int, float, str):
+        if isinstance(node, Integral):
+            return self._short(int(node), path, line)
+        for plain in (float, str):
             if isinstance(node, plain):
                 return self._printable(plain(node), path, line)
         # Booleans that carry an anchor, dates, tagged values.
@@ -186,6 +184,14 @@ class _Plain:
             f"{self.source}:{line}: {'.'.join(map(str, path))}: "
             f"a plain text or number is needed here (write quotes around it)"
         )
+
+    def _short(self, value: int, path: PathKey, line: int) -> int:
+        if abs(value) >= 10**_MOST_DIGITS:
+            raise InputError(
+                f"{self.source}:{line}: {'.'.join(map(str, path))}: "
+                f"is a number of more than {_MOST_DIGITS} digits"
+            )
+        return value
 
     def _printable(self, value: Any, path: PathKey, line: int) -> Any:
         if isinstance(value, str) and any("\ud800" <= sign <= "\udfff" for sign in value):
@@ -197,7 +203,7 @@ class _Plain:
     def _mapping(self, node: Any, path: PathKey, line: int) -> dict[str, Any]:
         plain = {}
         for key, item in node.items():
-            name = str(key)
+            name = str(self._short(key, path, line) if isinstance(key, int) else key)
             plain[name] = self.convert(item, (*path, name), _line_of(node, key, line))
         return plain
 

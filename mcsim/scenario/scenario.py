@@ -18,6 +18,7 @@ from mcsim.scenario.document import (
     get_path,
     parse_document,
     parse_scalar,
+    plain_tree,
     read_document,
     with_value,
 )
@@ -96,7 +97,8 @@ class Scenario:
         overrides: Mapping[str, Any] | Sequence[str] = (),
     ) -> Scenario:
         """A scenario from nested dictionaries that hold what a file would hold."""
-        return cls._build(name, Document(dict(tree), name), Path(folder), overrides)
+        document = Document(plain_tree(dict(tree), name), name)
+        return cls._build(name, document, Path(folder), overrides)
 
     def with_values(self, overrides: Mapping[str, Any] | Sequence[str]) -> Scenario:
         """The same scenario with some values replaced."""
@@ -198,7 +200,7 @@ def _override(
     model: type[CaseScenario],
 ) -> Document:
     pairs = (
-        list(overrides.items())
+        [(path, plain_tree(value, f"--set {path}")) for path, value in overrides.items()]
         if isinstance(overrides, Mapping)
         else [_split_override(text) for text in overrides]
     )
@@ -220,7 +222,8 @@ def _override(
                 raise InputError(
                     f"{option}: the scenario has nothing of that name{suggest(path, known)}"
                 )
-            if path in (document.tree.get("sweep") or {}):
+            sweep = document.tree.get("sweep")
+            if isinstance(sweep, dict) and path in sweep:
                 raise InputError(
                     f"{option}: this scenario sweeps that value; override the sweep with "
                     f"--set 'sweep.{path}=[…]'"

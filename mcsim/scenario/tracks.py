@@ -78,7 +78,7 @@ class Curve(_Motion):
     shape: Literal["curve"]
     radius: Annotated[Length, Ge(1e-3)]
     """Radius of the circular part."""
-    angle: Angle
+    angle: Annotated[Angle, Ge(-1e4), Le(1e4)]
     """Change of course over the whole curve, positive to the left."""
     clothoid: Annotated[Length, NotNegative] = 0.0
     """Length of each clothoid."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,6 +16,10 @@ Array = NDArray[np.float64]
 # So many panels that four nodes each are exact to rounding.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _PANELS_PER_PIECE = 256
+#: The angle (rad) that a panel of a curve may turn by at most.
+_TURN_PER_PANEL = 0.4
+#: Points of a curve worked out at once: what that takes in memory does not grow with the drive.
+_AT_ONCE = 1 << 18
 #: Newton's steps, and the share of the parameter's range under which one step more is rounding.
 _MOST_STEPS, _SMALL_STEP = 6, 1e-8
 
@@ -47,13 +52,31 @@ class PlaneCurve(Protocol):
         """The points at distances ``s`` (m), 0 <= s <= length."""
 
 
+def _in_pieces(at: Callable[[Array], CurvePoints], s: Array) -> CurvePoints:
+    """The points at distances of any shape, so many at once as need little memory."""
+    if s.size <= _AT_ONCE:
+        return at(s)
+    flat = s.ravel()
+    parts = [at(flat[i : i + _AT_ONCE]) for i in range(0, len(flat), _AT_ONCE)]
+
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(part, name) for part in parts]).reshape(s.shape)
+
+    return CurvePoints(*map(joined, ("along", "across", "course", "curvature")))
+
+
 class _Cumulative:
     """The running integral of a smooth function over pieces, exact to rounding."""
 
-    def __init__(self, function: Callable[[Array], Array], pieces: Array) -> None:
+    def __init__(
+        self,
+        function: Callable[[Array], Array],
+        pieces: Array,
+        panels_per_piece: int = _PANELS_PER_PIECE,
+    ) -> None:
         self.function = function
         self.knots = np.unique(
-            np.concatenate([np.linspace(a, b, _PANELS_PER_PIECE + 1) for a, b in pairwise(pieces)])
+            np.concatenate([np.linspace(a, b, panels_per_piece + 1) for a, b in pairwise(pieces)])
         )
         panels = self._panel(self.knots[:-1], self.knots[1:])
         self.at_knots = np.concatenate([[0.0], np.cumsum(panels)])
@@ -125,6 +148,9 @@ class ParametricCurve:
         return u
 
     def at(self, s: Array) -> CurvePoints:
+        return _in_pieces(self._at, s)
+
+    def _at(self, s: Array) -> CurvePoints:
         d = self._evaluate(self.parameter(s))
         x, y = d.x - self._origin[0], d.y - self._origin[1]
         c, sn = np.cos(self._direction), np.sin(self._direction)
@@ -148,8 +174,9 @@ class ClothoidCurve:
         inner = (clothoid, clothoid + arc) if clothoid > 0.0 else ()
         self.breaks: tuple[float, ...] = ()
         pieces = np.unique(np.array([0.0, *inner, self.length]))
-        self._along = _Cumulative(lambda s: np.cos(self._course(s)), pieces)
-        self._across = _Cumulative(lambda s: np.sin(self._course(s)), pieces)
+        panels = max(_PANELS_PER_PIECE, math.ceil(abs(angle) / _TURN_PER_PANEL))
+        self._along = _Cumulative(lambda s: np.cos(self._course(s)), pieces, panels)
+        self._across = _Cumulative(lambda s: np.sin(self._course(s)), pieces, panels)
 
     def _curvature(self, s: Array) -> Array:
         if self._clothoid == 0.0:
@@ -168,4 +195,7 @@ class ClothoidCurve:
         return self._peak * (entry**2 / (2.0 * c) + arc + leave - leave**2 / (2.0 * c))
 
     def at(self, s: Array) -> CurvePoints:
+        return _in_pieces(self._at, s)
+
+    def _at(self, s: Array) -> CurvePoints:
         return CurvePoints(self._along(s), self._across(s), self._course(s), self._curvature(s))

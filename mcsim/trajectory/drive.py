@@ -12,6 +12,8 @@ from mcsim.trajectory.curves import Array, PlaneCurve
 
 #: Half-width (s) of the look to both sides of a jump.
 _BESIDE = 1e-7
+#: Times worked out at once: what that takes in memory does not grow with the drive.
+_AT_ONCE = 1 << 18
 
 
 @dataclass(frozen=True)
@@ -163,6 +165,9 @@ class Drive:
 
     def _signals(self, t: Array) -> Array:
         """Forward and left acceleration and yaw rate; zero on the straight."""
+        if len(t) > _AT_ONCE:
+            pieces = [t[i : i + _AT_ONCE] for i in range(0, len(t), _AT_ONCE)]
+            return np.concatenate([self._signals(piece) for piece in pieces], axis=1)
         signals = np.zeros((3, *t.shape))
         inside = (t > 0.0) & (t < self.manoeuvre.duration)
         motion = self.manoeuvre.motion(t[inside])

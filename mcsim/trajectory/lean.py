@@ -30,6 +30,10 @@ _FADED = 30.0
 _BESIDE = 1e-7
 #: A larger jump of the angle (rad) is no rounding.
 _JUMP = 1e-7
+#: Panels of one drive: some 20 s of work, and 0.1 GB.
+_MOST_PANELS = 1_000_000
+#: Panels whose force is asked for at once: what that takes in memory does not grow with the drive.
+_AT_ONCE = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,7 @@ def oscillator(
         Undamped frequency (Hz, above 0) and share of the critical damping.
     """
     omega = 2.0 * math.pi * natural_frequency
-    longest = min(_LONGEST_PANEL, _SHARE_OF_PERIOD / natural_frequency)
+    longest = _longest_panel(natural_frequency)
     slowest = omega * (damping - math.sqrt(damping**2 - 1.0)) if damping > 1.0 else omega * damping
     state = (gain * before, 0.0)
     parts = []
@@ -134,18 +138,66 @@ def follower(
     InputError
         The force jumps, and the angle would.
     """
-    parts, last = [], gain * before
+    refuse_jumps(force, before, after, breaks, gain)
+    parts = []
     for start, end in pairwise(breaks):
         knots = _knots(start, end, _LONGEST_PANEL)
         cubics = gain * _cubics(force, knots)
         h = np.diff(knots)
         value = _shared(cubics[0], np.sum(cubics, axis=0))
         slope = _shared(cubics[1] / h, (cubics[1] + 2.0 * cubics[2] + 3.0 * cubics[3]) / h)
-        _refuse_jump(last, float(value[0]), start)
-        last = float(value[-1])
         parts.append(_hermite(knots, value, slope))
-    _refuse_jump(last, gain * after, breaks[-1])
     return Lean(_joined(parts), breaks)
+
+
+def refuse_jumps(
+    force: Callable[[Array], Array],
+    before: float,
+    after: float,
+    breaks: tuple[float, ...],
+    gain: float,
+) -> None:
+    """Refuse a force that a body without inertia cannot follow; only its breaks are looked at.
+
+    Raises
+    ------
+    InputError
+        The force jumps, and the angle would.
+    """
+    last = gain * before
+    for start, end in pairwise(breaks):
+        knots = _knots(start, end, _LONGEST_PANEL)
+        first_cubic, last_cubic = (
+            gain * _cubics(force, panel)[:, 0] for panel in (knots[:2], knots[-2:])
+        )
+        _refuse_jump(last, float(first_cubic[0]), start)
+        last = float(np.sum(last_cubic))
+    _refuse_jump(last, gain * after, breaks[-1])
+
+
+def refuse_long(duration: float, natural_frequency: float) -> None:
+    """Refuse a drive (s) over which the lean would take more panels than are worked out.
+
+    Raises
+    ------
+    InputError
+        See above.
+    """
+    panel = _longest_panel(natural_frequency)
+    if duration / panel > _MOST_PANELS:
+        slower = " or lower `natural_frequency`" if panel < _LONGEST_PANEL else ""
+        raise InputError(
+            f"body: the drive lasts {duration:.4g} s; how the body leans is worked out over at "
+            f"most {_MOST_PANELS * panel:.4g} s: shorten the drive{slower}, or leave out the "
+            "gradients"
+        )
+
+
+def _longest_panel(natural_frequency: float) -> float:
+    """Longest panel (s) of a drive; a frequency of zero is a body that follows at once."""
+    if natural_frequency == 0.0:
+        return _LONGEST_PANEL
+    return min(_LONGEST_PANEL, _SHARE_OF_PERIOD / natural_frequency)
 
 
 def _refuse_jump(left: float, right: float, t: float) -> None:
@@ -165,7 +217,8 @@ def _cubics(force: Callable[[Array], Array], knots: Array) -> Array:
     """Coefficients (4, m) of the force on each panel, as cubics in 0 ... 1."""
     h = np.diff(knots)
     nodes = knots[:-1, None] + 0.5 * h[:, None] * (1.0 + _NODES)
-    return _TO_CUBIC @ force(nodes.ravel()).reshape(nodes.shape).T
+    values = [force(nodes[i : i + _AT_ONCE].ravel()) for i in range(0, len(nodes), _AT_ONCE)]
+    return _TO_CUBIC @ np.concatenate(values).reshape(nodes.shape).T
 
 
 def _answer(

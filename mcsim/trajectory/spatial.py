@@ -8,6 +8,7 @@ The sensors sit in the point whose track is given.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -19,7 +20,15 @@ from mcsim.trajectory import drive_of
 from mcsim.trajectory.attitude import EulerAngles, euler_angles, rotation_matrix
 from mcsim.trajectory.curves import Array
 from mcsim.trajectory.drive import Drive
-from mcsim.trajectory.lean import Lean, constant_lean, follower, oscillator, recorded_lean
+from mcsim.trajectory.lean import (
+    Lean,
+    constant_lean,
+    follower,
+    oscillator,
+    recorded_lean,
+    refuse_jumps,
+    refuse_long,
+)
 from mcsim.trajectory.recorded import RecordedManoeuvre
 
 
@@ -121,19 +130,44 @@ def spatial_drive(model: StrapdownScenario, folder: Path) -> SpatialDrive:
     return _leaning_drive(drive, body)
 
 
-@lru_cache(maxsize=64)
-def _leaning_drive(drive: Drive, body: Body) -> SpatialDrive:
+def check_lean(model: StrapdownScenario, drive: Drive) -> None:
+    """Refuse a body that cannot follow its drive, or takes too long to, before it is tried.
+
+    Raises
+    ------
+    InputError
+        See above.
+    """
+    body = model.body
+    if model.records_attitude:
+        return
+    for axis, (response, sign) in enumerate(_responses(body)):
+        if response.gradient == 0.0:
+            continue
+        refuse_long(drive.duration, response.natural_frequency)
+        if response.natural_frequency == 0.0:
+            refuse_jumps(*_driven(drive, _road(body), body.gravity, axis, response, sign))
+
+
+def _responses(body: Body) -> tuple[tuple[Response, float], tuple[Response, float]]:
+    """Pitch under forward force, which lifts the nose, and roll under that to the left."""
+    return (body.pitch, -1.0), (body.roll, 1.0)
+
+
+def _road(body: Body) -> Array:
     zero = np.array(0.0)
     uphill = rotation_matrix(zero, np.array(-body.grade), zero)
-    road = uphill @ rotation_matrix(np.array(body.bank), zero, zero)
-    return SpatialDrive(
-        drive,
-        road,
-        _lean(drive, road, body.gravity, 1, body.roll, 1.0),
-        # Forward acceleration lifts the nose.
-        _lean(drive, road, body.gravity, 0, body.pitch, -1.0),
-        body.gravity,
+    return uphill @ rotation_matrix(np.array(body.bank), zero, zero)
+
+
+@lru_cache(maxsize=64)
+def _leaning_drive(drive: Drive, body: Body) -> SpatialDrive:
+    road = _road(body)
+    pitch, roll = (
+        _lean(drive, road, body.gravity, axis, response, sign)
+        for axis, (response, sign) in enumerate(_responses(body))
     )
+    return SpatialDrive(drive, road, roll, pitch, body.gravity)
 
 
 def _lean(
@@ -142,6 +176,17 @@ def _lean(
     """The lean under the specific force in the road's plane: forward (axis 0) or left (1)."""
     if response.gradient == 0.0:
         return constant_lean(0.0)
+    refuse_long(drive.duration, response.natural_frequency)
+    driven = _driven(drive, road, gravity, axis, response, sign)
+    if response.natural_frequency == 0.0:
+        return follower(*driven)
+    return oscillator(*driven, response.natural_frequency, response.damping)
+
+
+def _driven(
+    drive: Drive, road: Array, gravity: float, axis: int, response: Response, sign: float
+) -> tuple[Callable[[Array], Array], float, float, tuple[float, ...], float]:
+    """What drives a lean: the force, its values before and after, its breaks, the gain."""
 
     def force(t: Array) -> Array:
         return drive.signals(t)[axis] + gravity * _upwards(road, drive.heading(t))[axis]
@@ -149,9 +194,4 @@ def _lean(
     end = drive.manoeuvre.duration
     breaks = (0.0, *sorted(drive.manoeuvre.jumps), end)
     before, after = force(np.array([-1.0, end + 1.0])).tolist()
-    gain = sign * response.gradient
-    if response.natural_frequency == 0.0:
-        return follower(force, before, after, breaks, gain)
-    return oscillator(
-        force, before, after, breaks, gain, response.natural_frequency, response.damping
-    )
+    return force, before, after, breaks, sign * response.gradient
