@@ -52,7 +52,7 @@ def _demands(point: Point, count: int) -> list[tuple[str, int, str]]:
     """Keys, what they ask for (bytes), and what to do instead."""
     model = point.model
     settings, rows = model.monte_carlo, len(model.error_rows)
-    largest = settings.realizations or settings.max_realizations
+    largest = settings.realizations or settings.most_realizations
     instants = ", or ask for fewer `instants`" if rows > len(model.ERRORS) else ""
     over_time = len(model.ERRORS) + _STATE_ROWS
     histories = 0

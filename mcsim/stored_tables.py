@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from mcsim.errors import InputError
 from mcsim.files import check_file, readable
-from mcsim.results import COLUMNS, TIME, coordinate_columns
+from mcsim.over_time import TIME
+from mcsim.results import COLUMNS, coordinate_columns
 from mcsim.scenario import Scenario
 
 if TYPE_CHECKING:
