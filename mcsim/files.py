@@ -8,7 +8,7 @@ Whatever goes wrong inside ends in one ``InputError`` that names the file::
     with open_bytes(path) as file:   # text or tables: plain, .gz, .xz, .bz2, .zst
         ...
     text = read_text(path, LARGEST, "scenario")
-    with readable(path):             # around the call of another library's reader
+    with readable(path, "bag"):      # around the call of another library's reader
         ...
 """
 
@@ -171,7 +171,7 @@ def likely_size(path: Path) -> int:
 
 
 @contextmanager
-def readable(path: Path) -> Iterator[None]:
+def readable(path: Path, what: str = "file") -> Iterator[None]:
     """Turns whatever is raised while a file is read into one sentence about it.
 
     For the call of a reader alone: errors of the program would look like the file's.
@@ -196,7 +196,8 @@ def readable(path: Path) -> Iterator[None]:
     except Exception as error:
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
         first = reason.strip().splitlines()[0] if reason.strip() else type(error).__name__
-        raise InputError(f"{path}: cannot be read ({first})") from None
+        as_what = f" as a {what}" if what != "file" else ""
+        raise InputError(f"{path}: cannot be read{as_what} ({first})") from None
 
 
 class _Bounded(io.RawIOBase):
