@@ -120,10 +120,11 @@ def test_what_characterise_writes_is_read_by_axis(tmp_path, capsys):
 
 def test_ready_parameters_with_a_rate_convert(tmp_path, capsys):
     text = "gyroscope_noise_density: 1.0e-3\ngyroscope_random_walk: 1.0e-4\nupdate_rate: 200\n"
+    text += "accelerometer_noise_density: 1.0e-2\naccelerometer_random_walk: 1.0e-3\n"
     path = written(tmp_path, text, "imu.yaml")
     out = tmp_path / "out"
     assert exit_code(["characterise", str(path), "--output", str(out)]) == 0
-    assert "rate: 200 Hz" in (out / "sensor.yaml").read_text(encoding="utf-8")
+    assert "rate: 200.0 Hz" in (out / "sensor.yaml").read_text(encoding="utf-8")
     capsys.readouterr()
     assert exit_code(["convert", str(out / "sensor.yaml"), "--to", "mcsim"]) == 0
     assert "angle_random_walk: 0.00100000" in capsys.readouterr().out

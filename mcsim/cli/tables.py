@@ -153,5 +153,13 @@ def _value(value: Any) -> str:
     if value is None:
         return "not given by the source"
     if isinstance(value, list):
-        return " / ".join(map(str, value)) if len(value) == 3 else " … ".join(map(str, value))
+        return _joined(value, " / " if len(value) == 3 else " … ")
     return str(value)
+
+
+def _joined(values: list[Any], sign: str) -> str:
+    """Quantities in a row; the unit that all of them have is said once."""
+    numbers, units = zip(*(str(value).partition(" ")[::2] for value in values), strict=True)
+    if len(set(units)) > 1:
+        return sign.join(map(str, values))
+    return f"{sign.join(numbers)} {units[0]}".rstrip()

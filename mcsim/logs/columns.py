@@ -159,9 +159,10 @@ def _column(file: CsvFile, place: int, name: str, given: str | None) -> Column:
 def _recognised(file: CsvFile) -> dict[int, str]:
     """Places and names of the columns that the header says to be a sensor's."""
     if file.titles is None:
+        doubt = f" ({file.layout.doubt})" if file.layout.doubt else ""
         raise InputError(
-            f"{file.path}: has no header; name its {file.count} columns in order, for example "
-            "--columns time,accel_x,accel_y,accel_z (- skips a column), and give --units "
+            f"{file.path}: has no header{doubt}; name its {file.count} columns in order, for "
+            "example --columns time,accel_x,accel_y,accel_z (- skips a column), and give --units "
             "(accelerometer=m/s^2,gyroscope=deg/s,time=s)"
         )
     meanings = _meanings(file)

@@ -7,6 +7,7 @@ and what it means is the business of those who ask; errors name the file and the
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -208,7 +209,7 @@ class CsvFile:
                 text.readline()
             try:
                 reader = pd.read_csv(
-                    _Rows(text),
+                    _Rows(text, layout.delimiter),
                     sep=layout.delimiter,
                     header=None,
                     names=list(range(layout.count)),
@@ -268,10 +269,12 @@ class CsvFile:
 
 
 class _Rows(io.TextIOBase):
-    """Text in pieces of whole lines, without comments: what pandas reads."""
+    """Text in pieces of whole lines, without comments and blanks alone: what pandas reads."""
 
-    def __init__(self, text: IO[str]) -> None:
+    def __init__(self, text: IO[str], delimiter: str) -> None:
         self._text = text
+        self._blanks = [blank for blank in " \t" if blank != delimiter]
+        self._blank = re.compile(f"^[{''.join(self._blanks)}]+$", re.MULTILINE)
 
     def readable(self) -> bool:
         return True
@@ -280,7 +283,10 @@ class _Rows(io.TextIOBase):
         piece = self._text.read(-1 if size is None else size)
         if piece and not piece.endswith("\n"):
             piece += self._text.readline(_LONGEST_HEAD)
-        return without_comments(piece)
+        piece = without_comments(piece)
+        if any(f"\n{blank}" in piece or piece.startswith(blank) for blank in self._blanks):
+            piece = self._blank.sub("", piece)
+        return piece
 
 
 def open_csv(path: Path) -> CsvFile:

@@ -45,6 +45,8 @@ class Layout:
     certain: bool = False
     empty: frozenset[int] = frozenset()
     texts: frozenset[int] = frozenset()
+    doubt: str = ""
+    """Why a line that looks like a header is none."""
     row_length: float = 1.0
     """Characters of a row, its line end included, on average of the lines looked at."""
 
@@ -143,9 +145,18 @@ def _placed(lines: Sequence[str], split: _Split, held: list[int]) -> Layout:
     titles = None if header is None else header.titles[:count]
     start = first if header is None else next(i for i in held if i > header.last)
     line = 0 if header is None else header.line + 1
-    length = float(np.mean([len(lines[i]) + 1 for i in usual]))
     return Layout(
-        start, split.delimiter, count, titles, line, notation, split.certain, empty, texts, length
+        start,
+        split.delimiter,
+        count,
+        titles,
+        line,
+        notation,
+        split.certain,
+        empty,
+        texts,
+        _doubt(lines, split, first) if header is None else "",
+        float(np.mean([len(lines[i]) + 1 for i in usual])),
     )
 
 
@@ -175,9 +186,26 @@ def _headers(lines: Sequence[str], split: _Split, first: int, ends_empty: bool) 
         line, above = found[1]
         if _are_units(cells):
             return _Header(line, split_titles(above, cells), last)
-        if len(set(filter(None, cells))) < sum(map(bool, cells)):
+        twice = len(set(filter(None, cells))) < sum(map(bool, cells))
+        if twice or ("" in above and {c.lower() for c in cells} & {"x", "y", "z"}):
             return _Header(last, split_titles(_under_groups(above, cells)), last)
     return _Header(last, split_titles(cells), last)
+
+
+def _doubt(lines: Sequence[str], split: _Split, first: int) -> str:
+    """What to say of a line above the rows that has fewer or more titles than they have cells."""
+    if first == 0:
+        return ""
+    titles = cells_of(lines[first - 1].lstrip("".join(COMMENTS)), split.delimiter)
+    if len(titles) < 2 or _holds_number(titles, split.notation):
+        return ""
+    said = f"line {first} has {len(titles)} titles, the rows have {split.count} cells"
+    if split.delimiter == "," and split.count >= 2 * len(titles) - 1:
+        said += (
+            "; decimal commas between commas cannot be told apart: export with decimal points, or "
+            "with ; between the cells"
+        )
+    return said
 
 
 def _are_units(cells: list[str]) -> bool:
