@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_smoothing_spline
 
 from mcsim.errors import InputError, UnitError
+from mcsim.logs.clock import mend_clock
+from mcsim.logs.timing import unusable
 from mcsim.scenario.tracks import Columns, Recorded
 from mcsim.trajectory.curves import Array
 from mcsim.trajectory.drive import Motion
@@ -37,6 +39,8 @@ _KIND_OF = {
     "pitch": "angle",
 }
 _FEWEST_ROWS = 8
+#: More rows than this part that are earlier than one before them: the clock is no use.
+_MOST_LATE = 0.05
 #: No time (Unix time in s), position or angle is larger (SI).
 _LARGEST_CELL = 1e11
 #: Points at which the course is looked at, at most.
@@ -289,13 +293,32 @@ def _column(table, path: Path, role: str, spec: str) -> Array:  # type: ignore[n
 
 
 def _in_order(path: Path, time: Array, values: dict[str, Array]) -> tuple[Array, dict[str, Array]]:
-    """Drop rows that repeat a time stamp; refuse stamps that run backwards."""
-    steps = np.diff(time)
-    if np.any(steps < 0.0):
-        row = int(np.argmax(steps < 0.0)) + 1
-        raise InputError(f"{path}:{row + 2}: the time runs backwards by {-steps[row - 1]:.6g} s")
-    keep = np.concatenate([[True], steps > 0.0])
-    return time[keep], {role: column[keep] for role, column in values.items()}
+    """Rows in the order of their time stamps; the time keeps varying.
+
+    Rows that say the same twice are dropped; stamps that repeat the one before, with new values,
+    are spread between their neighbours, and a clock that begins anew or was set back goes on.
+    """
+    columns = np.array([column for role, column in values.items() if role != "time"])
+    same = np.concatenate([[False], np.all(np.diff(columns) == 0.0, axis=0)])
+    clock = mend_clock(time, same)
+    stamps = clock.stamps
+    # A stamp is fresh when it is later than all before it.
+    fresh = np.concatenate([[True], stamps[1:] > np.maximum.accumulate(stamps)[:-1]])
+    late = np.flatnonzero(np.diff(stamps) < 0.0) + 1
+    if unusable(clock) or np.count_nonzero(~fresh[late]) > _MOST_LATE * len(stamps):
+        row = int(clock.rows[late[0]]) if len(late) else int(np.argmin(fresh))
+        raise InputError(
+            f"{path}:{row + 2}: the time runs backwards or stands still here, and does not go "
+            "forward again; correct the stamps, or cut the file"
+        )
+    places = np.flatnonzero(fresh)
+    rows = np.arange(len(stamps))
+    spread = np.interp(rows, places, stamps[places])
+    kept = rows <= places[-1]
+    return (
+        time[clock.rows[0]] + spread[kept],
+        {role: column[clock.rows][kept] for role, column in values.items()},
+    )
 
 
 def _position(values: dict[str, Array]) -> tuple[Array | None, Array | None]:
