@@ -49,6 +49,8 @@ _MANY = 500_000
     help="Of columns without one: those of --channel, else those named like an acceleration; "
     "also counts, '16384 counts/g'.",
 )
+@click.option("--start", type=float, metavar="S", help="Leave out what lies before (s) in a log.")
+@click.option("--end", type=float, metavar="S", help="Leave out what lies after (s) in a log.")
 @click.option("--quiet", is_flag=True, help="No progress, no summary.")
 def vibration(
     given: Path,
@@ -63,6 +65,8 @@ def vibration(
     stamps: str | None,
     channels: tuple[str, ...],
     unit: str | None,
+    start: float | None,
+    end: float | None,
     quiet: bool,
 ) -> None:
     """Analyse the vibration in a log (CSV), or simulate a scenario and analyse that.
@@ -76,7 +80,8 @@ def vibration(
 
     settings = {"moving_average": moving_average, "high_pass": high_pass, "low_pass": low_pass}
     is_scenario = given.suffix.casefold() in _SCENARIO_ENDINGS
-    scenario = _scenario(given, sensor, (rate, stamps, unit, *channels)) if is_scenario else None
+    of_logs = rate, stamps, unit, start, end, *channels
+    scenario = _scenario(given, sensor, of_logs) if is_scenario else None
     chain = _chain(scenario.analysis if scenario else Chain(), settings)
     engine = _engine(rpm, cylinders, scenario)
     if scenario is not None:
@@ -89,7 +94,9 @@ def vibration(
         if sensor is not None:
             raise InputError("--sensor belongs to a scenario; a log has its own sensor")
         hertz = parse(rate, KINDS["frequency"]) if rate is not None else None
-        log = read_vibration_log(given, unit=unit, rate=hertz, channels=channels, time=stamps)
+        log = read_vibration_log(
+            given, unit=unit, rate=hertz, channels=channels, time=stamps, cut=(start, end)
+        )
     if not quiet and log.samples.size > _MANY:
         _tell(f"{log.name}: analysing {log.samples.size:,} values")
     analysis = analyse(log, chain, engine)
@@ -122,11 +129,14 @@ def analyse_shipped(output: Path) -> list[Path]:
     return pictures
 
 
-def _scenario(path: Path, sensor: str | None, of_logs: tuple[str | None, ...]) -> VibrationScenario:
+def _scenario(path: Path, sensor: str | None, of_logs: tuple[object, ...]) -> VibrationScenario:
     from mcsim.vibration.scenario import read_vibration
 
-    if any(of_logs):
-        raise InputError("--rate, --time, --unit and --channel belong to a log, not to a scenario")
+    if any(option is not None for option in of_logs):
+        raise InputError(
+            "--rate, --time, --unit, --channel, --start and --end belong to a log, not to a "
+            "scenario"
+        )
     return read_vibration(path, sensor)
 
 

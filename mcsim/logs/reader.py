@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,12 @@ import numpy as np
 from mcsim.errors import InputError
 from mcsim.logs import bags
 from mcsim.logs.checks import check_gravity
+from mcsim.logs.clock import Clock, mend_clock
 from mcsim.logs.columns import CHANNELS, TIME
 from mcsim.logs.folders import is_bag, read_folder
-from mcsim.logs.model import ACCELEROMETER, KIND, Array, Channel, Log, ReadOptions, Timing
+from mcsim.logs.model import ACCELEROMETER, KIND, Array, Channel, Log, ReadOptions
 from mcsim.logs.table import Table, read_table
-from mcsim.logs.timing import HIGHEST_RATE, LOWEST_RATE, check_stamps, unstamped
+from mcsim.logs.timing import HIGHEST_RATE, LOWEST_RATE, Spacing, check_stamps, unstamped
 from mcsim.units import KINDS
 
 
@@ -38,7 +40,7 @@ def read_log(path: Path, options: ReadOptions | None = None) -> Log:
 
 def _read(path: Path, options: ReadOptions) -> Table:
     if path.suffix.lower() in bags.ENDINGS or (path.is_dir() and is_bag(path)):
-        return bags.read_bag(path, options.topic)
+        return bags.read_bag(path, options)
     if path.is_dir():
         return read_folder(path, options.columns, options.units)
     return read_table(path, options.columns, options.units)
@@ -47,20 +49,12 @@ def _read(path: Path, options: ReadOptions) -> Table:
 def _log_of(path: Path, table: Table, options: ReadOptions) -> Log:
     where = str(path)
     values = dict(table.values)
-    stamps = values.pop(TIME, None)
-    count = len(next(iter(values.values())))
-    if stamps is not None:
-        spacing = check_stamps(stamps, options.rate, where)
-    elif options.rate is not None:
-        spacing = unstamped(options.rate, count)
-    else:
-        raise InputError(f"{path}: has no time stamps; give the sampling rate, --rate 100")
+    spacing = _spacing(values, options, where)
     channels = []
     for name, (element, axis) in CHANNELS.items():
         if name in values:
             _refuse_beyond_use(values[name], element, name, where)
-            samples = _cut(spacing.apply(values[name]), spacing.timing, options, where)
-            channels.append(Channel(element, axis, samples))
+            channels.append(Channel(element, axis, spacing.apply(values[name])))
     gravity = check_gravity(channels, *table.units.get(ACCELEROMETER, ("m/s²", 1.0)), where)
     notes = [*spacing.timing.notes, *([gravity] if gravity else [])]
     return Log(path, tuple(channels), spacing.timing, tuple(notes), table.notes)
@@ -76,12 +70,39 @@ def _refuse_beyond_use(samples: Array, element: str, name: str, where: str) -> N
         )
 
 
-def _cut(samples: Array, timing: Timing, options: ReadOptions, where: str) -> Array:
-    duration = len(samples) / timing.rate
+def _spacing(values: dict[str, Array], options: ReadOptions, where: str) -> Spacing:
+    """How the columns are made equally spaced; what lies outside the cut is never looked at."""
+    stamps = values.pop(TIME, None)
+    columns = np.array(list(values.values()))
+    if stamps is not None:
+        same = np.concatenate([[False], np.all(np.diff(columns) == 0.0, axis=0)])
+        clock = mend_clock(stamps, same)
+        if options.rate is None or clock.interval > 0.0:
+            return check_stamps(_cut(clock, options, where), options.rate, where)
+        return _cut_rows(check_stamps(clock, options.rate, where), options, where)
+    if options.rate is None:
+        raise InputError(f"{where}: has no time stamps; give the sampling rate, --rate 100")
+    return _cut_rows(unstamped(options.rate, columns.shape[1]), options, where)
+
+
+def _cut(clock: Clock, options: ReadOptions, where: str) -> Clock:
+    _check_cut(options, float(clock.stamps[-1]) + clock.interval, where)
+    return clock.between(options.start, options.end)
+
+
+def _cut_rows(spacing: Spacing, options: ReadOptions, where: str) -> Spacing:
+    rate = spacing.timing.rate
+    _check_cut(options, len(spacing.rows) / rate, where)
+    end = None if options.end is None else round(options.end * rate)
+    return replace(spacing, rows=spacing.rows[round((options.start or 0.0) * rate) : end])
+
+
+def _check_cut(options: ReadOptions, duration: float, where: str) -> None:
+    if options.start is None and options.end is None:
+        return
     start, end = options.start or 0.0, options.end if options.end is not None else duration
     if not 0.0 <= start < min(end, duration):
         raise InputError(
             f"{where}: --start {start:g} s and --end {end:g} s leave nothing of the "
             f"{duration:.6g} s that the log lasts"
         )
-    return samples[round(start * timing.rate) : round(end * timing.rate)]

@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_smoothing_spline
 
 from mcsim.errors import InputError, UnitError
+from mcsim.logs.clock import mend_clock
 from mcsim.logs.columns import Column, said, written_column
 from mcsim.logs.csv_file import CsvFile, Numbers, open_csv, shown, since_first
+from mcsim.logs.timing import unusable
 from mcsim.logs.titles import factor_of, kind_of
 from mcsim.scenario.tracks import Columns, Recorded
 from mcsim.trajectory.curves import Array
@@ -42,6 +44,8 @@ _KIND_OF = {
 _FEWEST_ROWS = 8
 #: What is unknown for longer (s) is not bridged.
 _LONGEST_UNKNOWN = 5.0
+#: More rows than this part that are earlier than one before them: the clock is no use.
+_MOST_LATE = 0.05
 #: No time (Unix time in s), position or angle is larger (SI).
 _LARGEST_CELL = 1e11
 #: What rounding makes of a difference of time stamps, as a share of the largest one.
@@ -380,14 +384,33 @@ def fresh_fixes(time: Array, x: Array, y: Array) -> NDArray[np.bool_]:
 def _in_order(
     file: CsvFile, time: Array, values: dict[str, Array]
 ) -> tuple[Array, dict[str, Array]]:
-    """Drop rows that repeat a time stamp; refuse stamps that run backwards."""
-    steps = np.diff(time)
-    if np.any(steps < 0.0):
-        row = int(np.argmax(steps < 0.0)) + 1
-        line = file.line(row)
-        raise InputError(f"{file.path}:{line}: the time runs backwards by {-steps[row - 1]:.6g} s")
-    keep = np.concatenate([[True], steps > 0.0])
-    return time[keep], {role: column[keep] for role, column in values.items()}
+    """Rows in the order of their time stamps; the time keeps varying.
+
+    Rows that say the same twice are dropped; stamps that repeat the one before, with new values,
+    are spread between their neighbours, and a clock that begins anew or was set back goes on.
+    """
+    columns = np.array([column for role, column in values.items() if role != "time"])
+    unchanged = (np.diff(columns) == 0.0) | (np.isnan(columns[:, 1:]) & np.isnan(columns[:, :-1]))
+    same = np.concatenate([[False], np.all(unchanged, axis=0)])
+    clock = mend_clock(time, same)
+    stamps = clock.stamps
+    # A stamp is fresh when it is later than all before it.
+    fresh = np.concatenate([[True], stamps[1:] > np.maximum.accumulate(stamps)[:-1]])
+    late = np.flatnonzero(np.diff(stamps) < 0.0) + 1
+    if unusable(clock) or np.count_nonzero(~fresh[late]) > _MOST_LATE * len(stamps):
+        row = int(clock.rows[late[0]]) if len(late) else int(np.argmin(fresh))
+        raise InputError(
+            f"{file.path}:{file.line(row)}: the time runs backwards or stands still here, and "
+            "does not go forward again; correct the stamps, or cut the file"
+        )
+    places = np.flatnonzero(fresh)
+    rows = np.arange(len(stamps))
+    spread = np.interp(rows, places, stamps[places])
+    kept = rows <= places[-1]
+    return (
+        time[clock.rows[0]] + spread[kept],
+        {role: column[clock.rows][kept] for role, column in values.items()},
+    )
 
 
 def _position(values: dict[str, Array]) -> tuple[Array | None, Array | None]:

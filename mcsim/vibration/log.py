@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError, UnitError
+from mcsim.logs.clock import Clock, mend_clock
 from mcsim.logs.columns import Column, said, time_column, written_column
 from mcsim.logs.csv_file import CsvFile, open_csv, scaled, since_first
 from mcsim.logs.names import is_acceleration
+from mcsim.logs.timing import check_rate, judge, unusable
 from mcsim.logs.titles import Title, factor_of, kind_of
 from mcsim.units import KINDS, Kind
 
@@ -24,10 +26,10 @@ _JITTER = 0.02
 _WANDER = 2.0
 #: A gap of more steps is a hole in the log, not jitter.
 _LONGEST_GAP = 20.0
-#: A stated rate may differ from that of the stamps by this part.
-_RATE_TOLERANCE = 0.02
+#: Shorter steps (share of the usual one) come in bursts: their stamps are not the samples' times.
+_BURST = 0.1
 #: Rates beyond are those of a wrong unit of time (Hz).
-_LOWEST_RATE, _HIGHEST_RATE = 0.05, 1e6
+_RATES = 0.05, 1e6
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,7 @@ def read_vibration_log(
     rate: float | None = None,
     channels: tuple[str, ...] = (),
     time: str | None = None,
+    cut: tuple[float | None, float | None] = (None, None),
 ) -> Log:
     """The channels of ``kind`` in a CSV file whose header reads ``time [s],az [m/s²]``.
 
@@ -78,6 +81,8 @@ def read_vibration_log(
         Titles or names of the columns to take, or ``column 3``; all that fit if empty.
     time : str, optional
         Column of the time stamps as ``NAME in UNIT``; the one whose name says so if absent.
+    cut : (float or None, float or None)
+        Start and end of what is read (s from the first row); None: from the first, to the last.
 
     Raises
     ------
@@ -101,14 +106,15 @@ def read_vibration_log(
     columns = [*([stamps] if stamps else []), *chosen.values()]
     if stamps is not None:
         seconds = scaled(since_first(cells[stamps.place]), stamps.factor, path, stamps.title)
-        log = _evenly(file, names, seconds, values, rate)
+        log = _evenly(file, names, seconds, values, rate, cut)
     elif rate is None:
         raise InputError(
             f"{path}: no time column (such as `time [s]`); name one with --time 'NAME in UNIT', or "
             "give --rate '100 Hz'"
         )
     else:
-        log = Log(_name(path), names, values, rate)
+        start, end = (None if at is None else round(at * rate) for at in cut)
+        log = Log(_name(path), names, values[start:end], rate)
     return replace(log, remarks=(said(file, columns), *file.notes))
 
 
@@ -225,44 +231,75 @@ def _refuse_dead(path: Path, names: tuple[str, ...], values: Array, kind: Kind) 
 
 
 def _evenly(
-    file: CsvFile, names: tuple[str, ...], stamps: Array, values: Array, stated: float | None
+    file: CsvFile,
+    names: tuple[str, ...],
+    stamps: Array,
+    values: Array,
+    stated: float | None,
+    cut: tuple[float | None, float | None] = (None, None),
 ) -> Log:
-    """The log on an even grid of time; jittery stamps are interpolated."""
+    """The log on an even grid of time.
+
+    Stamps that go forward steadily are taken as the times of the samples, which are
+    interpolated; those that repeat or come in bursts are not: the samples are counted.
+    """
     path = file.path
-    steps = np.diff(stamps)
-    backwards = np.flatnonzero(steps <= 0.0)
-    if len(backwards):
-        line = file.line(int(backwards[0]) + 1)
-        raise InputError(f"{path}:{line}: the time does not go forward here")
-    median, widest = float(np.median(steps)), int(np.argmax(steps))
-    _check_rate(path, 1.0 / median, stated)
-    if steps[widest] > _LONGEST_GAP * median:
-        line = file.line(widest + 1)
-        raise InputError(f"{path}:{line}: a gap of {steps[widest]:.3g} s; cut the log there")
-    step = float((stamps[-1] - stamps[0]) / len(steps))
+    same = np.concatenate([[False], np.all(np.diff(values, axis=0) == 0.0, axis=1)])
+    clock = mend_clock(stamps, same).between(*cut)
+    if len(clock.rows) < _FEWEST_ROWS:
+        raise InputError(f"{path}: --start and --end leave {len(clock.rows)} rows, too few")
+    values = values[clock.rows]
+    reason = unusable(clock)
+    if reason and stated is None:
+        raise InputError(f"{path}: {reason}; give --rate '100 Hz', if no sample is lost")
+    if reason and stated is not None:
+        note = f"{reason}: the time stamps are set aside for the stated {stated:.6g} Hz"
+        return Log(_name(path), names, values, stated, (*clock.notes, note))
+    check_rate(1.0 / clock.interval, stated, str(path), "--time 'NAME in UNIT'", _RATES)
+    _refuse_holes(file, clock)
+    steps = np.diff(clock.stamps)
+    if steps.min() > _BURST * clock.interval:
+        return _interpolated(path, names, clock, values)
+    found = judge(clock)
+    every = np.arange(found.index[-1] + 1)
+    values = np.column_stack([np.interp(every, found.index, column) for column in values.T])
+    missing = f"{found.missing} missing samples are bridged" if found.missing else "none is missing"
+    note = (
+        f"the time stamps repeat or come in bursts; by count of the {len(found.index)} samples "
+        f"they are equally spaced at {found.rate:.6g} Hz, {missing}"
+    )
+    return Log(_name(path), names, values, found.rate, (*clock.notes, note))
+
+
+def _refuse_holes(file: CsvFile, clock: Clock) -> None:
+    holes = [(place, size) for place, size in clock.jumps if size >= _LONGEST_GAP]
+    if not holes:
+        return
+    edges = np.array([0, *(place for place, _ in holes), len(clock.rows)])
+    longest = int(np.argmax(np.diff(edges)))
+    first, last = clock.stamps[edges[longest]], clock.stamps[edges[longest + 1] - 1]
+    row = int(clock.rows[holes[0][0]])
+    gap = clock.stamps[holes[0][0]] - clock.stamps[holes[0][0] - 1]
+    step = clock.interval
+    digits = max(0, int(np.ceil(-np.log10(step))) + 1)
+    raise InputError(
+        f"{file.path}:{file.line(row)}: a gap of {gap:.3g} s; cut the log: "
+        f"--start {first:.{digits}f} --end {last + step:.{digits}f} is its longest stretch"
+    )
+
+
+def _interpolated(path: Path, names: tuple[str, ...], clock: Clock, values: Array) -> Log:
+    """Samples at the times of their stamps, interpolated unless these are even."""
+    stamps = clock.stamps
+    step = float((stamps[-1] - stamps[0]) / (len(stamps) - 1))
     grid = stamps[0] + step * np.arange(len(stamps))
     stray = float(np.abs(stamps - grid).max()) / step
     if stray <= _JITTER:
-        return Log(_name(path), names, values, 1.0 / step)
+        return Log(_name(path), names, values, 1.0 / step, clock.notes)
     if stray > _WANDER:
         # The rate itself changes on the way: the usual step keeps what the faster parts hold.
-        step = median
+        step = float(np.median(np.diff(stamps)))
         grid = np.arange(stamps[0], stamps[-1], step)
     values = np.column_stack([np.interp(grid, stamps, column) for column in values.T])
-    notes = (
-        f"time stamps stray by up to {stray * step:.3g} s; interpolated to {1.0 / step:.6g} Hz",
-    )
-    return Log(_name(path), names, values, 1.0 / step, notes)
-
-
-def _check_rate(path: Path, rate: float, stated: float | None) -> None:
-    if not _LOWEST_RATE <= rate <= _HIGHEST_RATE:
-        raise InputError(
-            f"{path}: the time stamps say {rate:.4g} Hz; is their unit right? "
-            "(--time 'NAME in ms' states another)"
-        )
-    if stated is not None and abs(rate / stated - 1.0) > _RATE_TOLERANCE:
-        raise InputError(
-            f"{path}: --rate says {stated:.6g} Hz, the time stamps say {rate:.6g} Hz; leave "
-            "--rate out, or correct the unit of the stamps with --time 'NAME in UNIT'"
-        )
+    note = f"time stamps stray by up to {stray * step:.3g} s; interpolated to {1.0 / step:.6g} Hz"
+    return Log(_name(path), names, values, 1.0 / step, (*clock.notes, note))
