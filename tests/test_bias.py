@@ -1,6 +1,7 @@
 """Tracking of the slowly varying bias, and Table 5.8."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ from mcsim.characterisation.bias import (
     track_bias,
 )
 from mcsim.characterisation.process import GaussMarkov
+from mcsim.cli.bias_table import useless_words
+from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
 from mcsim.units import STANDARD_GRAVITY
 from mcsim.vibration.bias_table import tracked_biases
@@ -151,3 +154,26 @@ def test_the_table_of_tracked_biases_has_the_sources_numbers():
         assert entry.density == pytest.approx(density * 1e-6 * STANDARD_GRAVITY)
         assert entry.printed == pytest.approx(printed * 1e-4)
         assert entry.simulated == pytest.approx(entry.exact, rel=0.06)
+
+
+def test_the_tables_words_follow_from_its_numbers(monkeypatch, capsys):
+    """The rate is told; whose printed value an estimate of zero beats depends on the values."""
+    entries = list(tracked_biases(seed=3))
+    assert [e.own_rate for e in entries] == [399.8, 740.0, 1012.0, 171.0, 1260.0]
+    for entry in entries:
+        white = entry.density * math.sqrt(entry.own_rate)
+        assert entry.exact_own == pytest.approx(kalman_rmse(entry.model, white, entry.own_rate))
+    assert useless_words(entries).startswith(
+        "Printed values above the deviation of the bias itself: BNO055;"
+    )
+    better = [replace(e, printed=0.5 * e.model.deviation) for e in entries]
+    assert useless_words(better).startswith("No printed value exceeds")
+    worse = [replace(e, printed=2.0 * e.model.deviation) for e in entries]
+    assert "MTI-300, MPU-9250" in useless_words(worse)
+    monkeypatch.setattr("mcsim.vibration.bias_table.tracked_biases", lambda *_: entries)
+    assert exit_code(["table", "bias-tracking"]) == 0
+    out = capsys.readouterr().out
+    assert "exact (20 Hz)" in out
+    assert "logs at 20 Hz" in out
+    change = max(abs(e.exact_own / e.exact - 1.0) for e in entries)
+    assert f"changes by up to {change:.1%}" in out

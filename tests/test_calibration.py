@@ -244,6 +244,23 @@ def test_calibration_block_is_usable_in_a_scenario(tmp_path):
     assert len((folder / "residuals.csv").read_text().splitlines()) == 13
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("rate: 100 Hz", "rate: 20 Hz", "must lie below half of the sensor's rate, 10 Hz"),
+        ("ppm}", "ppm, series: 1000, duration: 1 h}", "samples in all are more than"),
+    ],
+)
+def test_shakers_that_cannot_be_simulated_are_explained(tmp_path, capsys, old, new, message):
+    text = (SCENARIOS / "velocity" / "a1.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "s.yaml"
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    out = tmp_path / "out"
+    assert exit_code(["linearity", str(path), "--output", str(out)]) == 2
+    assert message in capsys.readouterr().err
+    assert not out.exists()
+
+
 def test_shaker_finds_slope_and_nonlinearity():
     frequencies = np.linspace(1.0, 10.0, 10)
     reference = frequencies / 10.0

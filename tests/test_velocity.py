@@ -15,6 +15,7 @@ import mcsim
 from mcsim import InputError, Scenario
 from mcsim.cases import problem_of
 from mcsim.cases.velocity_linear import accelerations
+from mcsim.cli import velocity_paper
 from mcsim.cli.budget import write_budget
 from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty, step_budget
@@ -458,6 +459,13 @@ def test_a_run_without_uncertainty_says_so(tmp_path):
         ({"sensor__noise": {"x": "0.03 m/s²", "y": "1 mg", "z": "1 mg"}}, "is an acceleration"),
         ({"calibration__lzz": {"estimate": 0.0}}, "singular"),
         ({"calibration__bx__estimate": "0.4 m/s²"}, "a sensor output is needed here"),
+        ({"gravity__estimate": "1e-300 m/s²"}, "must be at least 0.01 m/s²"),
+        ({"calibration__lxy__estimate": 1e300}, "must be at most 100"),
+        ({"trajectory__acceleration": "1e6 m/s²"}, "must be at most 100000 m/s²"),
+        ({"tilt__change": "1e5 rad"}, "must be at most 1.5 rad"),
+        ({"budget__rest_z__estimate": "0 g"}, "cannot follow from 0 g"),
+        ({"shaker__lowest": "0.01 Hz"}, "must hold a period of the lowest frequency, 100 s"),
+        ({"shaker__lowest": "9.9 Hz"}, "by a tenth at least"),
         ({"budget__printed": [1e-9]}, "at least 26 items"),
         ({"sensor__rate": "1 Hz"}, "the nearest are 0 s and 1 s"),
         ({"figure": {"panels": [{"errors": "heading"}]}}, "has no error `heading`"),
@@ -519,3 +527,44 @@ def test_runs_are_kept_and_drawn_over_time(tmp_path):
     assert sorted(set(tracks["realization"])) == [-1, 0, 1, 2, 3, 4]
     last = results.history[results.history["time [s]"] > 1.499]
     assert set(last["error"]) == {"velocity", "mean_velocity", "repeatability"}
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        {"gravity__estimate": "0.01 m/s²", "trajectory__vertical": {"amplitude": "1e5 m/s²"}},
+        {"gravity__estimate": "1000 m/s²", "gravity__uncertainty": "1000 m/s²"},
+        {"calibration__lxz__uncertainty": 100.0, "calibration__bz__uncertainty": "1000 g"},
+        {"tilt__change": "1.5 rad", "tilt__order": "second"},
+        {"sensor__time_error": "1e8 s"},
+    ],
+)
+def test_extreme_but_legal_numbers_stay_finite(overrides):
+    values = {"monte_carlo__realizations": 100, **overrides}
+    table = mcsim.run(scenario(**values)).table
+    assert np.isfinite(table[table["statistic"] != "method"]["value"]).all()
+    course = course_of_uncertainty(scenario(**values).base, 20)
+    assert np.isfinite(comparison_table(course)["uncertainty [m/s]"]).all()
+    assert "nan" not in comparison_words(course)
+
+
+def test_table_2_sets_like_beside_like(monkeypatch):
+    """What was measured once stands beside the distribution of the same quantity."""
+    monkeypatch.setattr(velocity_paper, "_GROUPS", 400)
+    rows = list(velocity_paper._rows_of_table_2("a1", "0.4 m/s"))
+    by_name = {row[0]: row for row in rows}
+    p = problem(sensor__time_errors="stamps")
+    ends = p.velocities(7, 0, 400)[-1] - p.truth[-1]
+    of_mean = by_name["error of the mean of 12 runs, time stamps err"]
+    # 400 groups know the median of a normal mean to 1.25 std / 20.
+    spread = 1.25 * ends.mean(axis=0).std() / 20.0
+    assert of_mean[2] == pytest.approx(np.median(ends.mean(axis=0)), abs=6 * spread)
+    assert of_mean[3] < of_mean[1] < of_mean[4]
+    largest = by_name["largest |error| of 12 runs, time stamps err"]
+    assert largest[2] > abs(of_mean[2])
+    assert by_name["error of the method"][2] == pytest.approx(p.method_errors()[-3])
+    assert math.isnan(by_name["error of the method"][1])
+    scatter = by_name["s(v) of 12 runs, time stamps err"]
+    assert scatter[3] < scatter[1] < scatter[4]  # the printed 0.006 m/s agrees
+    erring = by_name["s(v) of 12 runs, intervals err"]
+    assert not erring[3] < erring[1] < erring[4]  # and not with these

@@ -1,6 +1,7 @@
 """Vibration: excitations, the chain of filters, spectra and figures, against closed forms."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,7 @@ from scipy.signal import butter, chirp, sosfiltfilt
 from mcsim.cli.main import exit_code
 from mcsim.cli.paper import shipped_scenarios
 from mcsim.errors import InputError
+from mcsim.scenario import Scenario
 from mcsim.scenario.document import parse_document
 from mcsim.scenario.validation import validate
 from mcsim.vibration.analysis import Engine, analyse
@@ -19,7 +21,7 @@ from mcsim.vibration.log import Log, read_vibration_log
 from mcsim.vibration.processing import filters
 from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
 from mcsim.vibration.sensor_tables import printed, remarks, sensor_table
-from mcsim.vibration.simulation import oversampling, simulate
+from mcsim.vibration.simulation import AXES, oversampling, simulate
 from mcsim.vibration.spectra import (
     amplitude_spectrum,
     signal_to_noise,
@@ -488,3 +490,37 @@ def test_sensors_without_noise_are_asked_for_it(tmp_path):
     path.write_text(ENGINE, encoding="utf-8")
     with pytest.raises(InputError, match="LIS33DE: its source gives no noise density"):
         read_vibration(path, "LIS33DE")
+
+
+def test_an_ac_coupled_sensor_of_one_axis_reads_no_gravity(tmp_path):
+    """The piezo reference lies along the excitation; a MEMS sensor reads gravity on its z axis."""
+    for along in AXES:
+        path = tmp_path / f"{along}.yaml"
+        path.write_text(ENGINE + f"along: {along}\n", encoding="utf-8")
+        log = simulate(read_vibration(path, "MTN-1100"), "log")
+        assert log.channels == (along,)
+        assert abs(log.samples.mean()) < 0.05
+        assert log.samples.std() > 0.3
+        notes = " ".join(log.notes)
+        assert f"has one axis, which lies along {along}" in notes
+        assert "AC-coupled and reads no gravity" in notes
+        with_gravity = simulate(read_vibration(path, "MPU-9250"), "log")
+        assert with_gravity.channels == AXES
+        assert with_gravity.samples[:, 2].mean() == pytest.approx(9.80665, abs=0.05)
+        assert with_gravity.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("file", "key"),
+    [
+        ("paper/figure1.yaml", "sensors.accelerometer"),
+        ("strapdown/levelling.yaml", "sensors.accelerometer"),
+        ("velocity/a1.yaml", "sensor.accelerometer"),
+        ("velocity/a1.yaml", "sensor.accelerometer.model"),
+    ],
+)
+def test_nothing_is_reckoned_from_an_ac_coupled_sensor(file, key):
+    scenarios = Path(__file__).parent.parent / "scenarios"
+    with pytest.raises(InputError, match="MTN-1100 is AC-coupled: it passes no constant"):
+        Scenario.from_yaml(scenarios / file, {key: "MTN-1100"})
+    Scenario.from_yaml(scenarios / file, {key: "MPU-9250"})

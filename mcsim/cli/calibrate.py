@@ -20,6 +20,8 @@ _SCENARIO_ENDINGS = (".yaml", ".yml")
 #: Full scales (g), and scale factors, that a sensor may have.
 _LEAST_SCALE, _LARGEST_SCALE = 1e-3, 1e6
 _SENSITIVITIES = (0.2, 5.0)
+#: Samples of a simulated shaker test.
+_MOST_SAMPLES = 100_000_000
 _FILE = click.argument("file", type=click.Path(path_type=Path))
 _OUTPUT = click.option(
     "--output",
@@ -249,6 +251,18 @@ def _simulated_linearity(path: Path, model: VelocityScenario, seed: int) -> Line
         raise InputError(
             f"{path}: shaker: is missing; write `shaker: {{full_scale: 15 g, "
             "nonlinearity: 1000 ppm}`"
+        )
+    rate = model.sensor.rate
+    if shaker.highest >= 0.5 * rate:
+        raise InputError(
+            f"{path}: shaker.highest: {shaker.highest:g} Hz must lie below half of the sensor's "
+            f"rate, {0.5 * rate:g} Hz"
+        )
+    samples = shaker.duration * rate * shaker.points * shaker.series
+    if samples > _MOST_SAMPLES:
+        raise InputError(
+            f"{path}: shaker: {samples:,.0f} samples in all are more than the {_MOST_SAMPLES:,} "
+            "that are simulated; shorten `duration`, or lower `points` or `series`"
         )
     frequencies = np.linspace(shaker.lowest, shaker.highest, shaker.points)
     reference = shaker.amplitude * frequencies / shaker.highest

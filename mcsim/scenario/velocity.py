@@ -36,9 +36,8 @@ _LARGEST_FACTOR, _LARGEST_BIAS = 100.0, 1000.0
 _GRAVITY = (0.01, 1000.0)
 #: The largest acceleration of a vehicle (m/s²), and angle of its tilt (rad).
 _LARGEST_ACCELERATION, _LARGEST_ANGLE = 1e5, 1.5
-#: Full scale and amplitudes of a shaker test (g), and its samples in all.
+#: Full scale and amplitudes of a shaker test (g).
 _SHAKEN = (1e-3, 1e6)
-_MOST_SHAKEN = 100_000_000
 
 
 class Swing(Block):
@@ -295,24 +294,6 @@ class VelocityScenario(CaseScenario):
             if after <= before:
                 raise reject(f"must ascend, but {after:g} s follows {before:g} s")
         return value
-
-    @model_validator(mode="after")
-    def _shaker_sampled(self) -> VelocityScenario:
-        shaker, rate = self.shaker, self.sensor.rate
-        if shaker is None:
-            return self
-        if shaker.highest >= 0.5 * rate:
-            raise reject(
-                f"shaker.highest: {shaker.highest:g} Hz must lie below half of the sensor's rate, "
-                f"{0.5 * rate:g} Hz"
-            )
-        samples = shaker.duration * rate * shaker.points * shaker.series
-        if samples > _MOST_SHAKEN:
-            raise reject(
-                f"shaker: {samples:,.0f} samples in all are more than the {_MOST_SHAKEN:,} that "
-                "are simulated; shorten `duration`, or lower `points` or `series`"
-            )
-        return self
 
     @model_validator(mode="after")
     def _instants_within_the_run(self) -> VelocityScenario:
