@@ -55,24 +55,39 @@ class Line:
     tau: float
 
 
-def spectrum_of(samples: Array, rate: float, segments: int = _FEWEST_SEGMENTS) -> Spectrum:
+def spectrum_of(
+    samples: Array, rate: float, length: int | None = None, neighbourhood: float = _NEIGHBOURHOOD
+) -> Spectrum:
     """Welch's density of ``samples`` (n,) with Hann windows that overlap by half.
 
-    They are as long as ``segments`` of them fit into the log.
+    They are ``length`` samples long, or an eighth of the log; the floor is taken of frequencies
+    within the factor ``neighbourhood``.
     """
     from scipy.signal import welch
 
     n = len(samples)
-    length = 1 << int(np.log2(max(n // segments, 16)))
-    length = min(length, _LONGEST_SEGMENT, n)
+    if length is None:
+        length = _segment(n)
     frequency, density = welch(samples, rate, nperseg=length)
     frequency, density = frequency[1:], density[1:]
     # Segments that overlap by half are worth 11/9 fewer than their number (Hann window).
     averages = max(1.0, (2.0 * n / length - 1.0) * 9.0 / 11.0)
-    return Spectrum(frequency, density, _floor(frequency, density, averages), averages)
+    return Spectrum(
+        frequency, density, _floor(frequency, density, averages, neighbourhood), averages
+    )
 
 
-def _floor(frequency: Array, density: Array, averages: float) -> Array:
+def _segment(n: int) -> int:
+    length = 1 << int(np.log2(max(n // _FEWEST_SEGMENTS, 16)))
+    return min(length, _LONGEST_SEGMENT, n)
+
+
+def resolution_of(n: int, rate: float) -> float:
+    """Distance of the frequencies (Hz) of the spectrum of n samples."""
+    return rate / _segment(n)
+
+
+def _floor(frequency: Array, density: Array, averages: float, neighbourhood: float) -> Array:
     """Running median over a neighbourhood on the logarithmic axis, as a mean."""
     from scipy.stats import chi2
 
@@ -81,8 +96,8 @@ def _floor(frequency: Array, density: Array, averages: float) -> Array:
     centres = np.geomspace(step, frequency[-1], count)
     medians = np.empty(count)
     for i, centre in enumerate(centres):
-        low = int(centre / _NEIGHBOURHOOD / step)
-        high = int(np.ceil(centre * _NEIGHBOURHOOD / step))
+        low = int(centre / neighbourhood / step)
+        high = int(np.ceil(centre * neighbourhood / step))
         medians[i] = np.median(density[max(low - 1, 0) : high])
     # A periodogram's median lies below its mean.
     ratio = chi2.median(2.0 * averages) / (2.0 * averages)
@@ -105,10 +120,11 @@ def density_from_deviation(deviation: float, bandwidth: float) -> float:
     return deviation / float(np.sqrt(bandwidth))
 
 
-def find_lines(spectrum: Spectrum, floor_known: float = 1.0) -> list[Line]:
+def find_lines(spectrum: Spectrum, first: int = FIRST_BIN, floor_known: float = 1.0) -> list[Line]:
     """Bands whose density stands out of the floor by more than chance, strongest first.
 
-    ``floor_known`` is a factor to which the floor may be wrong.
+    They are looked for from the bin ``first`` on; the floor may be wrong by the factor
+    ``floor_known``.
     """
     from scipy.stats import chi2
 
@@ -117,7 +133,6 @@ def find_lines(spectrum: Spectrum, floor_known: float = 1.0) -> list[Line]:
     ratio = spectrum.density / (floor_known * spectrum.floor)
     edge = 1.0 + 3.0 / np.sqrt(spectrum.averages)
     lines = []
-    first = FIRST_BIN
     high = np.flatnonzero(ratio[first:] > max(chance, _LEAST_RATIO)) + first
     while len(high):
         run = high[: int(np.argmax(np.append(np.diff(high) > _JOINED_BINS, True))) + 1]

@@ -47,7 +47,8 @@ def check_clipping(record: Record) -> list[Finding]:
         return []
     part = sum(count for count, _, _ in rails) / len(ordered)
     told = " and ".join(
-        f"{count / len(ordered):.2g} of the samples at {record.written(value)}, none {side}"
+        f"{100.0 * count / len(ordered):.2g} % of the samples at {record.written(value)}, "
+        f"none {side}"
         for count, value, side in rails
     )
     if part > _MOST:

@@ -10,12 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.characterisation.health.record import Finding, Record
-from mcsim.characterisation.spectrum import FIRST_BIN, Line, Spectrum, find_lines, spectrum_of
+from mcsim.characterisation.spectrum import (
+    FIRST_BIN,
+    Line,
+    Spectrum,
+    find_lines,
+    resolution_of,
+    spectrum_of,
+)
 
 Array = NDArray[np.float64]
 
-#: Window means of a log at most, and segments of their spectrum at least.
-_MEANS, _SEGMENTS = 1 << 14, 1
+#: Window means of a log at most, the fewest periods in it, and the factor between frequencies
+#: that a floor is taken of: of so few a line must not be half.
+_MEANS, _PERIODS, _NEIGHBOURHOOD = 1 << 14, 5, 2.5
 #: A line must raise the Allan deviation by so much to be called an oscillation.
 _RAISES = 0.05
 #: The density of a line over the floor around it, in multiples of what chance makes of a known
@@ -28,10 +36,9 @@ def find_oscillations(samples: Array, rate: float) -> tuple[list[Line], Spectrum
     size = -(-len(samples) // _MEANS)
     count = len(samples) // size
     means = samples[: count * size].reshape(count, size).mean(axis=1)
-    slow = spectrum_of(means, rate / size, _SEGMENTS)
-    fast = spectrum_of(samples, rate).resolution if size > 1 else slow.resolution * 8.0
-    lines = find_lines(slow, _FLOOR_KNOWN)
-    below = FIRST_BIN * fast
+    slow = spectrum_of(means, rate / size, count, _NEIGHBOURHOOD)
+    lines = find_lines(slow, _PERIODS - 1, _FLOOR_KNOWN)
+    below = FIRST_BIN * resolution_of(len(samples), rate)
     return [x for x in lines if x.peak < below and x.raises > 1.0 + _RAISES], slow
 
 

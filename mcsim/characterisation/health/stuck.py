@@ -64,8 +64,8 @@ def _stuck(record: Record, starts: NDArray[np.int64], lengths: NDArray[np.int64]
         clear = _longest_clear(starts, starts + lengths, n)
         advice = _advice(clear, record)
         raise InputError(
-            f"{record.where}: {record.name} is {told}{more}, {part:.2g} of the log: that is no "
-            f"sensor's noise{advice}"
+            f"{record.where}: {record.name} is {told}{more}, {100.0 * part:.2g} % of the log: "
+            f"that is no sensor's noise{advice}"
         )
     return Finding("stuck", record.name, f"the output is {told}{more}; it stays in the fit")
 
