@@ -127,7 +127,7 @@ def test_ready_parameters_with_a_rate_convert(tmp_path, capsys):
     assert "rate: 200.0 Hz" in (out / "sensor.yaml").read_text(encoding="utf-8")
     capsys.readouterr()
     assert exit_code(["convert", str(out / "sensor.yaml"), "--to", "mcsim"]) == 0
-    assert "angle_random_walk: 0.00100000" in capsys.readouterr().out
+    assert "angle_random_walk: 0.001 rad/√s" in capsys.readouterr().out
 
 
 def test_axes_that_do_not_all_have_a_value_take_the_one_for_all(tmp_path):
