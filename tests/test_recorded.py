@@ -10,7 +10,7 @@ from mcsim import Scenario
 from mcsim.cases import problem_of
 from mcsim.errors import InputError
 from mcsim.trajectory import drive_of
-from mcsim.trajectory.recorded import local_position
+from mcsim.trajectory.geodesy import local_position
 
 RADIUS, SPEED = 60.0, 12.0
 EARTH = 6371e3
