@@ -33,6 +33,8 @@ LARGEST_TABLE = 2 << 30
 #: A packed file that unpacks to more than this (bytes) and to this many times its size is no
 #: log: those shrink to a third or a tenth, seldom to a thirtieth.
 _UNPACKED_UNSEEN, _LARGEST_RATIO, _LIKELY_RATIO = 64 << 20, 100, 30
+#: Packed files up to this size (bytes) are looked through before they are read.
+_SMALL = 4 << 20
 #: Memory that unpacking may take for itself (bytes); xz -9 takes 65 MB.
 _LARGEST_DICTIONARY = 256 << 20
 #: Bytes that tell what a file is.
@@ -163,10 +165,19 @@ def read_text(path: Path, largest: int, what: str) -> str:
 
 
 def likely_size(path: Path) -> int:
-    """The most bytes that a file of text probably holds, unpacked."""
+    """The most bytes that a file of text probably holds, unpacked; small ones are looked through.
+
+    Raises
+    ------
+    InputError
+        As ``open_bytes``.
+    """
     size = check_file(path)
     with readable(path), path.open("rb") as file:
         packed = file.read(_HEAD).startswith(tuple(_PACKED.values()))
+    if packed and size < _SMALL:
+        with open_bytes(path) as unpacked:
+            return sum(len(block) for block in iter(lambda: unpacked.read(1 << 20), b""))
     return size * _LIKELY_RATIO if packed else size
 
 

@@ -10,7 +10,7 @@ from mcsim import Scenario
 from mcsim.cases import problem_of
 from mcsim.errors import InputError
 from mcsim.trajectory import drive_of
-from mcsim.trajectory.recorded import local_position
+from mcsim.trajectory.geodesy import local_position
 
 RADIUS, SPEED = 60.0, 12.0
 EARTH = 6371e3
@@ -126,7 +126,7 @@ def test_geographic_positions_become_metres():
         (lambda text: text.replace("t,x,y", "t,x,z"), 'no column "y" for y'),
         (lambda text: text.replace("\n5", "\nfive", 3), "where a finite number is needed"),
         (lambda _: "t,x,y\n1,2,3\n", "rows; at least 8 are needed"),
-        (lambda _: "", "not a CSV table"),
+        (lambda _: "", "is empty"),
     ],
 )
 def test_bad_files_are_explained(tmp_path, change, message):
@@ -164,6 +164,82 @@ def test_a_clock_that_stands_still_is_explained_with_its_line(tmp_path):
     path.write_text("\n".join([header, *("7" + line[line.index(",") :] for line in lines)]))
     with pytest.raises(InputError, match=r"drive.csv:3: the time runs backwards or stands still"):
         drive_of(recorded(tmp_path).base.trajectory, tmp_path)
+
+
+def drive_with(folder, change):
+    folder.mkdir(exist_ok=True)
+    path = write_circle(folder)
+    path.write_text(change(path.read_text()))
+    s = recorded(folder, columns={"time": "t in ms", "speed": "speed in km/h", "course": "course"})
+    text = path.read_text().replace(",course,", ",course [deg],")
+    path.write_text(text)
+    return drive_of(s.base.trajectory, folder)
+
+
+def commas(text):
+    return text.replace(",", ";").replace(".", ",")
+
+
+def test_drives_are_read_like_logs(tmp_path):
+    """Any delimiter, decimal commas, comments; the header's unit where the scenario has none."""
+    plain = drive_with(tmp_path, str).motion(np.array([5.0]))
+    for i, change in enumerate(
+        [
+            lambda text: text.replace(",", "\t").replace("\tcourse\t", "\tcourse [deg]\t"),
+            lambda text: "# made by hand\n\n" + text.replace("\nx", "\n# pause\nx"),
+            lambda text: commas(text).replace(";course;", ";course [deg];"),
+        ]
+    ):
+        other = drive_with(tmp_path / str(i), change).motion(np.array([5.0]))
+        np.testing.assert_allclose(other.along, plain.along, rtol=1e-12)
+
+
+def unknown_rows(first, last, text="-1"):
+    def change(whole):
+        lines = whole.splitlines()
+        for i in range(first + 1, last + 1):
+            t, x, y, _, _, note = lines[i].split(",")
+            lines[i] = f"{t},{x},{y},{text},{text},{note}"
+        return "\n".join(lines) + "\n"
+
+    return change
+
+
+@pytest.mark.parametrize("text", ["-1", "", "nan"])
+def test_unknown_is_unknown(tmp_path, text):
+    """Within two seconds of a circle without speed and course the truth is still the circle."""
+    drive = drive_with(tmp_path, unknown_rows(400, 450, text))
+    motion = drive.motion(np.linspace(2, 17, 100))
+    np.testing.assert_allclose(motion.speed, SPEED, rtol=5e-3)
+    assert any("50 of 1000 values are unknown" in note for note in drive.manoeuvre.notes)
+    # At the beginning there is nothing to be bridged: the drive begins later.
+    drive = drive_with(tmp_path / "begin", unknown_rows(0, 100, text))
+    assert drive.manoeuvre.duration == pytest.approx(18.0, abs=0.1)
+    assert any("begins 2 s later" in note for note in drive.manoeuvre.notes)
+    with pytest.raises(InputError, match="too long to be bridged"):
+        drive_with(tmp_path / "long", unknown_rows(300, 700, text))
+
+
+def test_speeds_are_not_negative_and_units_agree(tmp_path):
+    with pytest.raises(InputError, match=r"drive.csv:12: .* where a speed that is not"):
+        drive_with(tmp_path, unknown_rows(10, 12, "-3"))
+    write_circle(tmp_path)
+    path = tmp_path / "drive.csv"
+    path.write_text(path.read_text().replace("t,x", "t [s],x", 1))
+    with pytest.raises(InputError, match="correct one"):
+        drive_of(recorded(tmp_path).base.trajectory, tmp_path)
+
+
+def test_a_stated_value_is_unknown(tmp_path):
+    path = write_circle(tmp_path)
+    path.write_text(unknown_rows(400, 420, "999")(path.read_text()))
+    s = recorded(tmp_path, unknown=999, columns={**COLUMNS, "heading": "course in deg"})
+    drive = drive_of(s.base.trajectory, tmp_path)
+    assert any(
+        "heading: 20 of 1000 values are unknown (empty or 999)" in n for n in drive.manoeuvre.notes
+    )
+    motion = drive.motion(np.linspace(2, 17, 100))
+    np.testing.assert_allclose(motion.yaw_rate, SPEED / RADIUS, rtol=5e-2)
 
 
 def test_a_missing_file_is_explained(tmp_path):

@@ -134,12 +134,13 @@ def test_a_cut_last_line_leaves_whole_nanoseconds_whole(tmp_path):
 
 def test_rows_are_counted_as_they_are_read(tmp_path):
     """The line in a message is that of the row, whatever stands between."""
-    between = ["", "  ", "\t", "# c", "  # c, d", "// c", "% c", "\t# c"]
+    between = ["", "  ", "\t", ",,,", ";;", "# c", "  # c, d", "// c", "% c", "\t# c"]
     for sep in (",", ";", "\t", " "):
+        nothing = [b for b in between if not set(b) & set(",;") - {sep}]
         lines, numbers = [sep.join(["a[s]", "b[g]", "c[g]"])], []
         for i in range(60):
             if i % 3 == 0:
-                lines.append(between[i // 3 % len(between)] if sep != "\t" or i % 9 else "")
+                lines.append(nothing[i // 3 % len(nothing)])
             lines.append(sep.join([str(i), str(2 * i), "7"]))
             numbers.append(len(lines))
         (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
@@ -211,16 +212,19 @@ def test_units_as_headers_spell_them(kind, unit, value):
 
 
 def test_units_that_are_none_are_refused():
-    for unit in ("furlong", "0 counts/g", "counts", "deg/s", "g/counts/g"):
+    for unit in ("furlong", "0 counts/g", "counts", "deg/s", "g/counts/g", "m", "s"):
         with pytest.raises(UnitError):
             factor_of(unit, KINDS["acceleration"])
+    for unit in ("m", "n", "µ", "g"):
+        with pytest.raises(UnitError):
+            factor_of(unit, KINDS["time"])
 
 
 @pytest.mark.parametrize(
     ("title", "name", "unit"),
     [
         ("Time since start in ms", "time", "ms"),
-        ("millis", "time", "milli"),
+        ("millis", "time", "millis"),
         ("seconds_elapsed", "time", "seconds"),
         ("TimeUS", "time", "us"),
         ("accelerometerAccelerationX(G)", "accel_x", "G"),

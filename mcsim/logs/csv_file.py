@@ -154,7 +154,7 @@ class CsvFile:
 
     def _rows(self) -> Iterator[tuple[int, str]]:
         """Line number and text of each row, as pandas counts them."""
-        blanks = " \t".replace(self.layout.delimiter, "")
+        blanks = _blanks(self.layout.delimiter)
         with open_lines(self.path, what=_TABLE) as (text, _):
             for place, line in enumerate(text, start=1):
                 row = without_comments(line.rstrip("\n"))
@@ -269,12 +269,12 @@ class CsvFile:
 
 
 class _Rows(io.TextIOBase):
-    """Text in pieces of whole lines, without comments and blanks alone: what pandas reads."""
+    """Text in pieces of whole lines, without comments and rows of nothing: what pandas reads."""
 
     def __init__(self, text: IO[str], delimiter: str) -> None:
         self._text = text
-        self._blanks = [blank for blank in " \t" if blank != delimiter]
-        self._blank = re.compile(f"^[{''.join(self._blanks)}]+$", re.MULTILINE)
+        self._blanks = _blanks(delimiter)
+        self._blank = re.compile(f"^[{self._blanks}]+$", re.MULTILINE)
 
     def readable(self) -> bool:
         return True
@@ -287,6 +287,11 @@ class _Rows(io.TextIOBase):
         if any(f"\n{blank}" in piece or piece.startswith(blank) for blank in self._blanks):
             piece = self._blank.sub("", piece)
         return piece
+
+
+def _blanks(delimiter: str) -> str:
+    """What a line without any value consists of; spreadsheets end in rows of delimiters."""
+    return " \t" + (delimiter if len(delimiter) == 1 else "")
 
 
 def open_csv(path: Path) -> CsvFile:

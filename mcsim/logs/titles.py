@@ -36,7 +36,7 @@ _SUFFIXES = {
 }  # fmt: skip
 #: Names of time that say their unit: millis, seconds_elapsed, time_s, TimeUS.
 _TIME = re.compile(
-    r"(?i:(?P<first>milli|micro|nano)s|(?P<whole>(?:milli|micro|nano)?seconds|secs?|msecs?|usecs?|"
+    r"(?i:(?P<first>millis|micros|nanos)|(?P<whole>(?:milli|micro|nano)?seconds|secs?|msecs?|usecs?|"
     r"nsecs?))(?:[_ ]?elapsed.*|[_ ]?since.*)?|(?i:t|time|timestamp|elapsed)(?:_?(?P<last>[mun]s|"
     r"US|MS|NS|Us|Ms|Ns)|_(?P<second>[sS]))"
 )
@@ -45,9 +45,12 @@ _SPELLINGS = (
     (r"[\N{RING ABOVE}\N{RING OPERATOR}]|degrees?|degs?", "°"),
     (r"[\N{GREEK SMALL LETTER MU}]", "µ"),
     (r"-?squared|\*\*2|\^2|\^\(2\)", "²"),
-    (r"milli-?(?=seconds?|secs?|g)|millis(?![a-z])", "m"),
-    (r"micro-?(?=seconds?|secs?|g)|micros(?![a-z])", "µ"),
-    (r"nano-?(?=seconds?|secs?)|nanos(?![a-z])", "n"),
+    (r"milli-?(?=seconds?|secs?|g)", "m"),
+    (r"micro-?(?=seconds?|secs?|g)", "µ"),
+    (r"nano-?(?=seconds?|secs?)", "n"),
+    (r"millis$", "ms"),
+    (r"micros$", "µs"),
+    (r"nanos$", "ns"),
     (r"kilomet(?:re|er)s?", "km"),
     (r"met(?:re|er)s?", "m"),
     (r"radians?", "rad"),
@@ -64,16 +67,7 @@ _SPELLINGS = (
     (r"[·.*]?s(?:\^|\^\()?[-\N{MINUS SIGN}⁻](?:2|²)\)?", "/s²"),
     (r"[·.*]?s(?:\^|\^\()?[-\N{MINUS SIGN}⁻](?:1|¹)\)?", "/s"),
 )
-_WORDS = {
-    "m": "ms",
-    "µ": "µs",
-    "n": "ns",
-    "milli": "ms",
-    "micro": "µs",
-    "nano": "ns",
-    "us": "µs",
-    "ug": "µg",
-}
+_WORDS = {"us": "µs", "ug": "µg"}
 _COUNT = r"(?:counts?|cts?|lsbs?|digits?|bits?|ticks?|adc)"
 #: What sensitivities are stated for.
 _PER_COUNTS = {"acceleration": "g", "angular rate": "(°/s)"}

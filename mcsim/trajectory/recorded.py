@@ -27,6 +27,7 @@ from mcsim.logs.titles import factor_of, kind_of
 from mcsim.scenario.tracks import Columns, Recorded
 from mcsim.trajectory.curves import Array
 from mcsim.trajectory.drive import Motion
+from mcsim.trajectory.geodesy import local_position
 from mcsim.units import KINDS
 
 _KIND_OF = {
@@ -58,8 +59,6 @@ _REPEATED_FIX = 0.5
 _STANDSTILL = 0.1
 #: Below this speed the course is bridged; above the second one it is fully trusted (m/s).
 _MOVING, _SURE_COURSE = 1.0, 5.0
-#: WGS 84 ellipsoid.
-_SEMI_MAJOR, _FLATTENING = 6378137.0, 1 / 298.257223563
 
 
 @dataclass(frozen=True)
@@ -187,13 +186,8 @@ def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
         The file cannot be read, lacks a column, holds text, runs backwards, or is too short.
     """
     path = folder / shape.file
-    record = read_record(
-        path,
-        shape.columns,
-        shape.angles == "compass",
-        shape.pitch_positive == "nose_up",
-        shape.unknown,
-    )
+    compass, nose_up = shape.angles == "compass", shape.pitch_positive == "nose_up"
+    record = read_record(path, shape.columns, compass, nose_up, shape.unknown)
     t = record.time - record.time[0]
     # Differences of stamps carry the rounding of the stamps: a row on an end is inside.
     rounding = _STAMP_ROUNDING * max(1.0, float(np.max(np.abs(record.time))))
@@ -362,9 +356,9 @@ def _values(
             "is needed"
         )
     count = int(np.count_nonzero(missing))
-    note = ""
-    if count:
-        note = f"{role}: {count} of {len(held)} values are unknown (empty or {said_so})"
+    note = (
+        f"{role}: {count} of {len(held)} values are unknown (empty or {said_so})" if count else ""
+    )
     return np.where(missing, np.nan, values), note
 
 
@@ -419,20 +413,6 @@ def _position(values: dict[str, Array]) -> tuple[Array | None, Array | None]:
     if "latitude" in values:
         return local_position(values["latitude"], np.unwrap(values["longitude"]))
     return None, None
-
-
-def local_position(latitude: Array, longitude: Array) -> tuple[Array, Array]:
-    """East and north (m) from the first fix, on the WGS 84 ellipsoid's tangent plane.
-
-    Uses the radii of curvature at the mean latitude: 1 cm over a few kilometres.
-    """
-    middle = float(np.mean(latitude))
-    e2 = _FLATTENING * (2.0 - _FLATTENING)
-    w = math.sqrt(1.0 - e2 * math.sin(middle) ** 2)
-    prime_vertical = _SEMI_MAJOR / w
-    meridian = _SEMI_MAJOR * (1.0 - e2) / w**3
-    east = prime_vertical * math.cos(middle) * (longitude - longitude[0])
-    return east, meridian * (latitude - latitude[0])
 
 
 def _smooth(t: Array, y: Array, time_constant: float, weight: Array | None = None):  # type: ignore[no-untyped-def]
