@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ import pytest
 import mcsim
 from mcsim import InputError, Scenario
 from mcsim.cases.gravity_leakage import NOTE_GRAVITY, RATE, gravity_leakage
+from mcsim.cli.gravity_leakage import verdict
 from mcsim.cli.main import exit_code
 from mcsim.cli.paper import shipped_scenarios
 from mcsim.engine import run_point
@@ -296,3 +298,16 @@ def test_sensor_files_belong_to_the_scenario(tmp_path):
     tree = scenario().document.tree
     tree = {**tree, "sensors": {**tree["sensors"], "accelerometer": "mine.yaml"}}
     assert Scenario.from_dict(tree, folder=tmp_path).base.files == ("mine.yaml",)
+
+
+def test_the_notes_verdict_follows_from_its_ratios(entries):
+    words = verdict(entries)
+    assert "as printed, to the note's rounding" in words
+    assert "a factor of two (median ratio 2.00)" in words
+    halved = [
+        replace(e, printed=e.printed / 2.0) if e.quantity == "position" else e for e in entries
+    ]
+    assert "agree\n(median ratio 1.00)" in verdict(halved)
+    wrong = [replace(e, printed=1.5 * e.printed) for e in entries]
+    assert "printed values differ by up to" in verdict(wrong)
+    assert "2.99 times that" in verdict(wrong)

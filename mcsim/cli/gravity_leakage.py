@@ -15,12 +15,11 @@ _UNITS = {"acceleration": "m/s²", "velocity": "m/s", "position": "m"}
 _TIMES = {1.0: "", 10.0: " at 10 s", 60.0: " at 1 min", 600.0: " at 10 min", 3600.0: " at 1 h"}
 _HEADER = ["angle", "printed", "exact", "g = 9.8", "simulated", "printed / (g = 9.8)"]
 _CONCLUSION = """\
-Accelerations are g sin(angle), velocities a t: as printed, to the note's rounding.
-Positions are a t²/2, which is what the note's own recursion gives; the printed ones are a t²,
-too large by a factor of two (median ratio {ratio:.2f}).
 exact: standard gravity, 9.80665 m/s²; simulated: the strapdown kernel at {rate:g} Hz with the
 note's recursion, which lags by T/t. Beyond some minutes the earth's curvature would bound the
 error (Schuler), in neither column."""
+#: Printed values that differ by less do so by rounding.
+_ROUNDED = 0.05
 
 
 @click.command("gravity-leakage")
@@ -51,8 +50,29 @@ def _text(entries: list[Leakage], rate: float) -> str:
         "\n".join([f"{quantity} error{_TIMES[time]} [{_UNITS[quantity]}]", *columns(block)])
         for (quantity, time), block in rows.items()
     ]
-    ratio = median(entry.ratio for entry in entries if entry.quantity == "position")
-    return "\n\n".join([*blocks, _CONCLUSION.format(rate=rate, ratio=ratio)])
+    return "\n\n".join([*blocks, f"{verdict(entries)}\n{_CONCLUSION.format(rate=rate)}"])
+
+
+def verdict(entries: list[Leakage]) -> str:
+    """How the printed values compare with g sin(angle), a t and a t²/2, from their ratios."""
+    ratios = {name: [entry.ratio for entry in entries if entry.quantity == name] for name in _UNITS}
+    others = [*ratios["acceleration"], *ratios["velocity"]]
+    off = max(abs(ratio - 1.0) for ratio in others)
+    first = (
+        "Accelerations are g sin(angle), velocities a t: as printed, to the note's rounding."
+        if off < _ROUNDED
+        else "Accelerations are g sin(angle), velocities a t; printed values differ by up to "
+        f"{off:.0%}."
+    )
+    middle = median(ratios["position"])
+    second = "Positions are a t²/2, which is what the note's own recursion gives; the printed ones "
+    if abs(middle / 2.0 - 1.0) < _ROUNDED:
+        second += f"are a t²,\ntoo large by a factor of two (median ratio {middle:.2f})."
+    elif abs(middle - 1.0) < _ROUNDED:
+        second += f"agree\n(median ratio {middle:.2f})."
+    else:
+        second += f"are\n{middle:.2f} times that (median)."
+    return f"{first}\n{second}"
 
 
 def _plain(number: float) -> str:
