@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.characterisation.health import CHECKS, Finding, Record
-from mcsim.characterisation.health.noise_level import check_noise_level
 from mcsim.characterisation.health.oscillation import find_oscillations, oscillation_finding
 from mcsim.characterisation.health.record import SHORTEST
 from mcsim.characterisation.health.warm_up import WarmUp, check_warm_up
@@ -97,16 +96,15 @@ def inspect(channel: Channel, rate: float, where: str) -> Inspection:
         raise InputError(f"{where}: {name} is constant ({samples[0]:.6g}); is the sensor alive?")
     resolution = _resolution(samples)
     unit = {"acceleration": "m/s²", "angular rate": "°/s"}[KIND[channel.element]]
-    record = Record(name, samples, rate, resolution, KIND[channel.element], unit, where)
-    findings = [finding for check in CHECKS for finding in check(record)]
     clean, spikes, told = _without_spikes(samples, rate)
+    record = Record(name, clean, rate, resolution, KIND[channel.element], unit, where)
+    findings = [finding for check in CHECKS for finding in check(record)]
     if told:
         findings.append(Finding("spikes" if spikes else "outliers", name, told))
     findings += _check_rest(channel, clean, rate, where)
     if resolution is not None:
         findings.append(_quantisation(name, resolution, clean))
-    findings += check_noise_level(replace(record, samples=clean))
-    warm_up, told_of_it = check_warm_up(replace(record, samples=clean))
+    warm_up, told_of_it = check_warm_up(record)
     findings += told_of_it
     if warm_up is not None:
         clean = clean - warm_up.output(len(clean), rate)

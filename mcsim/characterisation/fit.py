@@ -33,6 +33,7 @@ from mcsim.characterisation.problem import (
 )
 from mcsim.characterisation.process import GaussMarkovFit
 from mcsim.characterisation.short_clusters import (
+    CERTAIN,
     FEWEST_TIMES,
     first_that_follows,
     memory,
@@ -121,6 +122,7 @@ def fit_noise(
     curve = curve.part(np.arange(first, len(curve.factors)))
     problem, terms, solution = _choose_terms(problem, first > 0)
     comparison = compare(problem, terms, solution.squares, confidence)
+    doubtful = problem.filtered and first == 0 and not shows_a_filter(problem, _KEPT, CERTAIN)
     found = {}
     if comparison.is_gauss_markov and comparison.process is not None:
         white = _white_part(problem, comparison.process)
@@ -130,6 +132,10 @@ def fit_noise(
         found["N"] = _white_beside(comparison.process, short)
     problem, solution = _allow_for_the_model(problem, terms, solution)
     found = _coefficients(curve, problem, solution, terms, confidence, intervals) | found
+    if doubtful:
+        plain = replace(problem, filtered=False)
+        beside = _coefficients(curve, plain, solve(plain, _KEPT), _KEPT, confidence, intervals)
+        found["N"] = _both(found["N"], beside["N"])
     return NoiseFit(
         coefficients=found,
         squares=solution.squares,
@@ -143,6 +149,11 @@ def fit_noise(
         comparison=comparison,
         memory=memory(solution),
     )
+
+
+def _both(one: Coefficient, other: Coefficient) -> Coefficient:
+    """A coefficient with an interval that holds those of two models."""
+    return Coefficient(one.value, min(one.low, other.low), max(one.high, other.high))
 
 
 def _white_beside(process: GaussMarkovFit, short: Coefficient) -> Coefficient:

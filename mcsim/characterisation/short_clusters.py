@@ -25,7 +25,7 @@ _NEIGHBOURS, FEWEST_TIMES = 10, 6
 #: there is one, the next clusters must follow more closely.
 _CONTRADICTS, _FOLLOWS = 3.5, 1.5
 #: The τ⁻² term of a filter is in the model from here on, and shows for certain (standard errors).
-_SHOWS, _CERTAIN = 2.0, 4.0
+_SHOWS, CERTAIN = 2.0, 4.0
 #: Relative error of the model at short clusters, on the variance.
 _MODEL_ERROR = 0.001
 #: Inside of a filter's memory the next Allan variance is no less than this part of the one
@@ -38,7 +38,7 @@ def first_that_follows(problem: Problem) -> int:
     strict = replace(problem, model_error=_MODEL_ERROR)
     most = len(problem.tau) - FEWEST_TIMES - 4
     first = min(_inside_of_a_memory(problem), max(most, 0))
-    shaped = first > 0 or filter_shown(problem, (N, B, K)) > _CERTAIN
+    shaped = first > 0 or filter_shown(problem, (N, B, K)) > CERTAIN
     while first < most:
         limit = _FOLLOWS if shaped else _CONTRADICTS
         if abs(_contradiction(strict.part(slice(first, None)))) < limit:
@@ -87,9 +87,9 @@ def _sampled(problem: Problem, squares: Array) -> Array:
     return np.diag((slow * interval / problem.tau) ** 2)
 
 
-def shows_a_filter(problem: Problem, terms: tuple[int, ...]) -> bool:
-    """Whether the curve bends below white noise at its shortest clusters."""
-    return filter_shown(problem, terms) > _SHOWS
+def shows_a_filter(problem: Problem, terms: tuple[int, ...], errors: float = _SHOWS) -> bool:
+    """Whether the curve bends below white noise at its shortest clusters, by standard errors."""
+    return filter_shown(problem, terms) > errors
 
 
 def filter_shown(problem: Problem, terms: tuple[int, ...]) -> float:

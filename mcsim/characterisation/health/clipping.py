@@ -19,9 +19,11 @@ Array = NDArray[np.float64]
 _FEWEST, _GROWTH = 12, 1.5
 #: Room of the outermost values, as a part of that of the next as many, that shows a rail.
 _CROWDED = 0.2
-#: Levels that a coarse output must have, and by how many standard errors more values must lie
-#: at the outermost than at the next one.
-_LEVELS, _ERRORS = 5, 5.0
+#: Levels that a coarse output must have, how many values must lie at the outermost (at least, and
+#: as a share of the log), and by how many standard errors too many.
+_LEVELS, _FEWEST_AT_A_LEVEL, _SHARE, _ERRORS = 5, 50.0, 2e-3, 5.0
+#: Steps (of the deviation from sample to sample) from which on a slow wander shows at each level.
+_COARSE_STEP = 1.2
 #: Beyond this part of the samples at a rail nothing that is fitted is the sensor's.
 _MOST = 0.005
 
@@ -35,13 +37,16 @@ def check_clipping(record: Record) -> list[Finding]:
         A considerable part of the samples is at a rail.
     """
     ordered = np.sort(record.samples)
+    step = record.resolution
+    deviation = float(np.std(np.diff(record.samples))) / np.sqrt(2.0)
+    told_by_levels = step is not None and step < _COARSE_STEP * deviation
     rails = [
         (int(np.count_nonzero(ordered <= edge)), float(ordered[0]), "below")
-        for edge in _rail(ordered, record.resolution)
+        for edge in _rail(ordered, step, told_by_levels)
     ]
     rails += [
         (int(np.count_nonzero(-ordered <= edge)), float(ordered[-1]), "above")
-        for edge in _rail(-ordered[::-1], record.resolution)
+        for edge in _rail(-ordered[::-1], step, told_by_levels)
     ]
     if not rails:
         return []
@@ -60,7 +65,7 @@ def check_clipping(record: Record) -> list[Finding]:
     return [Finding("saturates", record.name, f"saturates: {told}; N may be too small")]
 
 
-def _rail(ordered: Array, step: float | None) -> list[float]:
+def _rail(ordered: Array, step: float | None, told_by_levels: bool) -> list[float]:
     """The upper edge of a rail at the lower end of ascending values (n,), if there is one."""
     n, k = len(ordered), _FEWEST
     width = step or 0.0
@@ -72,16 +77,21 @@ def _rail(ordered: Array, step: float | None) -> list[float]:
         k = int(np.ceil(_GROWTH * k))
     if found:
         return found[-1:]
-    return _coarse_rail(ordered, step) if step is not None else []
+    return _coarse_rail(ordered, step) if step is not None and told_by_levels else []
 
 
 def _coarse_rail(ordered: Array, step: float) -> list[float]:
-    """As above where the steps are too coarse for that: by the values at each level."""
+    """As above where the steps are too coarse for that: by the values at each level.
+
+    The logarithm of their numbers bends downwards, c0 c2 < c1², unless values are piled up.
+    """
     levels = np.round((ordered - ordered[0]) / step).astype(np.int64)
     counts = np.bincount(np.minimum(levels, 1000))
     if np.count_nonzero(counts) < _LEVELS:
         return []
-    first, second = float(counts[0]), float(counts[1])
-    if first - second > _ERRORS * np.sqrt(first + second) and first > _FEWEST:
-        return [float(ordered[0] + 0.5 * step)]
-    return []
+    first, second, third = counts[:3].astype(float)
+    if first < max(_FEWEST_AT_A_LEVEL, _SHARE * len(ordered)) or not (second and third):
+        return []
+    convexity = np.log(first * third / second**2)
+    error = np.sqrt(1.0 / first + 4.0 / second + 1.0 / third)
+    return [float(ordered[0] + 0.5 * step)] if convexity > _ERRORS * error else []

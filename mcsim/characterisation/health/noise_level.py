@@ -26,7 +26,7 @@ _CHANCE, _WORTH = 5.0, 0.08
 
 
 def check_noise_level(record: Record) -> list[Finding]:
-    """Compare the noise of the parts of a log; ``samples`` are those without spikes."""
+    """Compare the noise of the parts of a log."""
     n = len(record.samples)
     size = int(max(_SAMPLES, _SECONDS * record.rate, n // _MOST_WINDOWS))
     count = n // size

@@ -26,7 +26,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Record:
-    """A channel as recorded: ``samples`` (n,) in SI units at ``rate`` Hz.
+    """A channel without isolated spikes: ``samples`` (n,) in SI units at ``rate`` Hz.
 
     ``resolution`` is the quantisation step that shows, None where none does; ``kind`` and ``unit``
     say how to write a value, ``where`` which file it is.

@@ -31,6 +31,7 @@ _TIMES = np.geomspace(0.02, 0.7, 24)
 _AGAINST_NOISE, _AGAINST_A_LINE = 20.0, 8.0
 #: What may remain of a settling, as a part of the least Allan deviation.
 _SETTLED = 0.3
+_LEAST_REST = 1e-12
 #: The part of a log that must be left after a warm-up for the advice to cut it off.
 _ENOUGH = 0.3
 
@@ -112,6 +113,8 @@ def _likelihoods(differences: Array, shapes: Array) -> tuple[float, Array]:
     whole = np.sum(values**2, axis=1)
     projected = np.einsum("wm,wms->ws", values, columns)
     rest = whole[:, None] - projected**2 / np.sum(columns**2, axis=1)
+    # Of a log without noise a shape may explain everything.
+    rest = np.maximum(rest, _LEAST_REST * whole[:, None])
     m = values.shape[1]
     alone = -m * np.log(whole) - determinants
     explained = -m * np.log(rest) - determinants[:, None]
@@ -124,6 +127,7 @@ def _amount(differences: Array, shape: Array) -> float:
     column = columns[..., 0]
     amount = np.sum(values * column, axis=1) / np.sum(column**2, axis=1)
     rest = np.sum((values - amount[:, None] * column) ** 2, axis=1)
+    rest = np.maximum(rest, _LEAST_REST * np.sum(values**2, axis=1))
     best = np.argmax(-values.shape[1] * np.log(rest) - determinants)
     return float(amount[best])
 
