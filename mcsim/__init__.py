@@ -33,6 +33,9 @@ Conventions (the whole package keeps them)
 * A sensor measures in this order: low-pass, mixing of the channels (scale factor,
   misalignment, g-sensitivity), offsets, jitter, coloured and white noise, spikes,
   saturation, quantisation.  A noise density is that of the output.
+* Before the run the vehicle may rest: first biases are calibrated, in a known attitude, then
+  the attitude is levelled, then it drives; in-run noise goes on through all three.  At rest a
+  sensor sees gravity, and calibration takes away whatever stands there beyond the truth.
 * Errors are reconstruction minus truth at the last sample, in the order along,
   across, position, heading, course (velocity case: of a run, of the mean of runs,
   standard deviation of the runs).  Standard deviations are those of the

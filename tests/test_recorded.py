@@ -110,6 +110,19 @@ def test_start_and_duration_cut_the_drive(tmp_path):
     assert drive.manoeuvre.duration == pytest.approx(4.0, abs=0.05)
 
 
+@pytest.mark.parametrize("first", [0, 12345, 1_700_000_000_000])
+def test_rows_on_the_ends_belong_to_the_cut(tmp_path, first):
+    """Stamps in ms whose differences are off by rounding: 0.4 s to 2.9 s are 126 rows."""
+    stamps = first + 20 * np.arange(219)
+    place = 16.0 * (stamps - first) / 1000.0
+    rows = "".join(f"{t}.000,{x:.6f},0\n" for t, x in zip(stamps, place, strict=True))
+    (tmp_path / "drive.csv").write_text("t,x,y\n" + rows)
+    columns = {"time": "t in ms", "x": "x in m", "y": "y in m"}
+    s = recorded(tmp_path, columns=columns, start="0.4 s", duration="2.5 s")
+    drive = drive_of(s.base.trajectory, tmp_path)
+    assert drive.manoeuvre.duration == pytest.approx(2.5, abs=1e-5)
+
+
 def test_geographic_positions_become_metres():
     """One minute of arc is a nautical mile (1852 m) to half a percent."""
     latitude = np.radians([50.0, 50.0 + 1 / 60])

@@ -89,3 +89,18 @@ def test_a_jump_between_dense_points_keeps_its_integral():
             }
         )
         assert abs(np.degrees(p.method_errors()[3])) < 0.003
+
+
+@pytest.mark.parametrize("rate", [20.0, 100.0, 333.0, 1000.0])
+@pytest.mark.parametrize("jump", [0.0, 0.1, 0.25, 0.2712])
+def test_an_average_gives_a_jump_to_the_interval_that_holds_it(rate, jump):
+    """Means of a step are known, also where it falls on a sample or between dense points."""
+
+    def step(t, width):
+        half = max(0.5 * width, 1e-7)
+        return np.clip(0.5 + (t - jump) / (2.0 * half), 0.0, 1.0)[None]
+
+    count = round(0.5 * rate)
+    ends = np.arange(count + 1) / rate
+    expected = np.clip((ends - jump) * rate, 0.0, 1.0)
+    np.testing.assert_allclose(sample(step, 0.0, rate, count, "average")[0], expected, atol=1e-9)

@@ -135,7 +135,8 @@ class _Element(Block):
     scale_factor_error: Ratios | None = None
     """Standard deviation of the scale factor error."""
     misalignment: Angles | None = None
-    """Standard deviation of the angles between the axes."""
+    """Standard deviation of the angles between the axes. Gravity shows by them in the level axes,
+    in the planar case as well."""
     bandwidth: Frequencies | None = None
     """First-order low-pass, -3 dB."""
 
@@ -152,8 +153,8 @@ class AccelerometerErrors(_Element):
     turn_on_bias: Accelerations | None = None
     """Standard deviation of the bias drawn at each turn-on."""
     bias_instability: Accelerations | None = None
-    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B. Its longest
-    correlation time is ten times the run (with `calibration`, run and rest together; in the
+    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B. Its correlation times
+    reach to ten times the run (with `calibration` or `levelling`, run and rests together; in the
     velocity case, the rest and all runs)."""
     acceleration_random_walk: AccelerationRandomWalks | None = None
     """Allan's K."""
@@ -187,8 +188,8 @@ class GyroscopeErrors(_Element):
     g_sensitivity: GSensitivities | None = None
     """Standard deviation of the bias that an acceleration brings."""
     bias_instability: AngularRates | None = None
-    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B. Its longest
-    correlation time is ten times the run (with `calibration`, run and rest together)."""
+    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B. Its correlation times
+    reach to ten times the run (with `calibration` or `levelling`, run and rests together)."""
     rate_random_walk: RateRandomWalks | None = None
     """Allan's K."""
     gauss_markov: RateProcess | None = None

@@ -43,12 +43,19 @@ def _no_noise(model: str | None, element: str, example: str) -> Exception:
 
 
 class BiasCalibration(Block):
-    """Rest before the run in which each channel's constant bias is estimated."""
+    """Rest in a known attitude, before the run, in which each channel's bias is estimated.
+
+    Nothing tells a bias from what scale factor, misalignment and g-sensitivity make of gravity
+    there: the calibration takes all of it away, and they act on what changes afterwards. It is
+    taken off the output: the bias still uses up the range, and is quantised.
+    """
 
     duration: Annotated[Time, Positive, Le(1e6)]
     """Time at rest."""
     method: Literal["mean", "kalman"] = "mean"
-    """The mean of the samples, or a Kalman filter that knows the sensor's in-run noise."""
+    """The mean of the samples, or a Kalman filter that knows the sensor's in-run noise. What the
+    filter finds of a drift is corrected as it is expected to go on: by the estimate times
+    exp(-t/Tc), t after the rest; a constant bias and a random walk by the estimate itself."""
 
 
 class Sensors(Block):

@@ -87,7 +87,12 @@ class StrapdownReconstruction(Block):
 
 
 class Levelling(Block):
-    """Initial roll and pitch from the mean specific force of a vehicle at rest."""
+    """Initial roll and pitch from the mean specific force of a vehicle at rest.
+
+    The mean holds all that stands in the accelerometers' output meanwhile: offsets, gravity
+    by misalignment, in-run noise that goes on in the drive, what a calibration (which comes
+    before) has left, spikes, quantisation and saturation.
+    """
 
     duration: Annotated[Time, Positive, Le(86_400.0)]
     """How long the vehicle stands before the drive, in the attitude of the first sample."""
@@ -97,7 +102,8 @@ class StrapdownInitial(Initial):
     """Standard deviations of the errors of the state at the first sample."""
 
     tilt_error: Annotated[Angle, NotNegative] = 0.0
-    """Of roll and of pitch, independently."""
+    """Of roll and of pitch, independently. For the planar algorithm it is the tilt of a vehicle
+    that is taken for level."""
     roll_error: Annotated[Angle, NotNegative] = 0.0
     """Of the roll alone."""
     pitch_error: Annotated[Angle, NotNegative] = 0.0

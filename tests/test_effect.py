@@ -1,0 +1,82 @@
+"""Keys that are written without effect are told; those that act are not."""
+
+import pytest
+
+from mcsim import Scenario
+from mcsim.scenario.effect import RULES, without_effect
+from tests import conftest, strapdown
+
+RECORDED = {
+    "trajectory": {"shape": "recorded", "file": "none.csv",
+                   "columns": {"time": "t in s", "x": "x in m", "y": "y in m"}},
+}  # fmt: skip
+RECORDED_ATTITUDE = {
+    "trajectory": {"shape": "recorded", "file": "none.csv",
+                   "columns": {"time": "t in s", "x": "x in m", "y": "y in m",
+                               "roll": "r in °", "pitch": "p in °"}},
+}  # fmt: skip
+#: Where a key has no effect: the case, other values, and the key; then what makes it act.
+CASES = [
+    (conftest, {}, "monte_carlo.max_realizations", 5000,
+     {"monte_carlo.realizations": None, "monte_carlo.precision": "1 %"}),
+    (conftest, {"monte_carlo.realizations": None, "monte_carlo.estimator": "linear"},
+     "monte_carlo.precision", "1 %", {"monte_carlo.estimator": "plain"}),
+    (strapdown, {"reconstruction.algorithm": "planar"}, "initial.levelling", {"duration": "1 s"},
+     {"reconstruction.algorithm": "strapdown"}),
+    (conftest, {}, "trajectory.side_slip_profile", "bump", {"trajectory.side_slip": "1 °"}),
+    (strapdown, {}, "body.roll.natural_frequency", "2 Hz", {"body.roll.gradient": "1 °/(m/s²)"}),
+    (strapdown, {}, "body.roll.damping", "40 %", {"body.roll.gradient": "1 °/(m/s²)"}),
+    (strapdown, {}, "body.pitch.natural_frequency", "2 Hz", {"body.pitch.gradient": "1 °/(m/s²)"}),
+    (strapdown, {"body.pitch.gradient": "1 °/(m/s²)", "body.pitch.natural_frequency": "0 Hz"},
+     "body.pitch.damping", "40 %", {"body.pitch.natural_frequency": "2 Hz"}),
+    (conftest, RECORDED, "trajectory.angles", "mathematical",
+     {"trajectory.columns.heading": "h in °"}),
+    (strapdown, RECORDED, "trajectory.pitch_positive", "nose_up", RECORDED_ATTITUDE),
+    (conftest, RECORDED_ATTITUDE, "trajectory.columns.roll", "r in °", None),
+    (conftest, RECORDED_ATTITUDE, "trajectory.columns.pitch", "p in °", None),
+    (conftest, {}, "sensors.gyroscope.misalignment", "1 °", None),
+    (conftest, {}, "monte_carlo.common_random_numbers", True,
+     {"sweep": {"sensors.rate": ["50 Hz", "100 Hz"]}}),
+]  # fmt: skip
+
+
+def told(case, values):
+    return without_effect(case.scenario(values))
+
+
+@pytest.mark.parametrize(("case", "where", "key", "value", "acting"), CASES)
+def test_a_key_without_effect_is_told_and_one_with_effect_is_not(case, where, key, value, acting):
+    sentences = told(case, {**where, key: value})
+    assert len([s for s in sentences if f": {key} has no effect: " in s]) == 1
+    if acting is not None:
+        changed = {**where, key: value, **acting}
+        if "trajectory" in acting:
+            changed = {**acting, key: value}
+        assert not [s for s in told(case, changed) if key in s]
+
+
+def test_every_rule_is_tried():
+    tried = {key for _, _, key, _, _ in CASES} | {"body.pitch.damping", "body.roll.damping"}
+    assert {rule.path for rule in RULES} <= tried
+
+
+def test_a_sweep_in_which_the_key_acts_somewhere_is_silent():
+    values = {"body.roll.damping": "40 %",
+              "sweep": {"body.roll.gradient": ["0 °/(m/s²)", "1 °/(m/s²)"]}}  # fmt: skip
+    assert told(strapdown, values) == []
+    values["sweep"] = {"body.roll.damping": ["20 %", "40 %"]}
+    assert len(told(strapdown, values)) == 1
+
+
+def test_what_a_run_resolves_to_is_silent():
+    """Resolved scenarios write all that holds by default."""
+    base = conftest.scenario({}).base.model_dump(mode="json", exclude_none=True)
+    assert without_effect(Scenario.from_dict(base)) == []
+
+
+def test_the_note_names_file_and_line(tmp_path):
+    path = tmp_path / "s.yaml"
+    text = conftest.BASE_YAML.replace("seed: 1", "seed: 1, max_realizations: 5000")
+    path.write_text(text, encoding="utf-8")
+    (sentence,) = without_effect(Scenario.from_yaml(path))
+    assert sentence.startswith(f"{path}:9: monte_carlo.max_realizations has no effect")
