@@ -244,8 +244,7 @@ def test_remarked_points_are_hollow_and_zeros_stay_in_view():
     s = scenario(
         {
             **NO_NOISE,
-            "trajectory.shape": "straight",
-            "trajectory.width": None,
+            "trajectory": {"shape": "straight", "length": "50 m", "speed": "20 m/s"},
             "sweep": {"sensors.gyroscope.noise_density": [f"{x} °/s/√Hz" for x in (0, 1e-3, 1)]},
         }
     )
