@@ -9,7 +9,10 @@ from matplotlib.text import Text
 import mcsim
 from mcsim import Scenario
 from mcsim.figures import draw, draw_over_time, draw_side_by_side
-from tests.conftest import BASE_YAML, NO_NOISE, scenario
+from tests import strapdown
+from tests.conftest import BASE_YAML, scenario
+
+DENSITY = "sensors.gyroscope.noise_density"
 
 
 @pytest.fixture(scope="module")
@@ -240,14 +243,10 @@ def test_tracks_are_drawn_where_words_are_swept():
 
 
 def test_remarked_points_are_hollow_and_zeros_stay_in_view():
-    """Without gyroscope noise the heading has no error at all, on an axis over decades."""
-    s = scenario(
-        {
-            **NO_NOISE,
-            "trajectory": {"shape": "straight", "length": "50 m", "speed": "20 m/s"},
-            "sweep": {"sensors.gyroscope.noise_density": [f"{x} °/s/√Hz" for x in (0, 1e-3, 1)]},
-        }
-    )
+    """Without gyroscope noise roll and pitch have no error at all, on axes over decades."""
+    densities = [f"{x} °/s/√Hz" for x in (0, 1e-3, 0.1)]
+    tree = {"monte_carlo.realizations": 50, "sweep": {DENSITY: densities}}
+    s = strapdown.scenario(tree)
     results = mcsim.run(s)
     figure = draw(results)
     assert any("triangles: exactly zero" in text.get_text() for text in figure.findobj(Text))
