@@ -1,11 +1,11 @@
 """How often the intervals of a run hold the truth, from nearly linear cases to rare events.
 
-    python -m benchmarks.coverage [--trials 200] [--case NAME …]
+    python -m benchmarks.coverage [--trials 150] [--case NAME …]
 
-Each trial is a run with random numbers of its own; the truth is one run of four million
-realizations, which knows it to a twentieth of the widest interval's deviation.  Coverage in per
+Each trial is a run with random numbers of its own; the truth is one run of two million
+realizations, which knows it to a fourteenth of the widest interval's deviation.  Coverage in per
 cent of intervals of 95 % and of 99.73 %, mean over the errors and, in brackets, the worst one; of
-200 trials it has itself a standard deviation of 1.5 and of 0.4.
+150 trials it has itself a standard deviation of 1.8 and of 0.4.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ CASES: dict[str, dict[str, Any]] = {
     },
     "rarely saturating": {
         f"{_ACCELEROMETER}.miscalibration": "0.1 m/s^2",
-        f"{_ACCELEROMETER}.range": "4.25 m/s^2",
+        f"{_ACCELEROMETER}.range": "4.6 m/s^2",
     },
     "spikes, 1 in 20 runs": spikes("0.01 Hz"),
     "spikes, 1 in 2000": spikes("0.0001 Hz"),
@@ -57,13 +57,13 @@ RUNS = (
     (100, "plain", "random"),
     (1000, "plain", "random"),
     (1000, "control_variate", "random"),
-    (1000, "plain", "sobol"),
     (1000, "control_variate", "sobol"),
-    (10_000, "plain", "random"),
     (10_000, "control_variate", "random"),
 )
 LEVELS = (1.959964, 3.0)
-TRUTH = 4_000_000
+#: Fewer than a run takes, to save time: they make the ends of the intervals noisier.
+RESAMPLES = 300
+TRUTH = 2_000_000
 #: Rounding, in units of a value.
 _ROUNDING = 1e-9
 
@@ -88,7 +88,7 @@ def coverage(p: Problem, truth: np.ndarray, run: tuple[int, str, str], trials: i
     for key in range(trials):
         collector = collect(p, mc, count, limits, 1000 + key)
         for level, sigmas in enumerate(LEVELS):
-            e = estimate(collector, sigmas, mc.resamples, 1)
+            e = estimate(collector, sigmas, RESAMPLES, 1)
             margin = _ROUNDING * np.abs(e.value)
             hits[level] += (e.low - margin <= truth) & (truth <= e.high + margin)
     return 100.0 * hits / trials
@@ -96,7 +96,7 @@ def coverage(p: Problem, truth: np.ndarray, run: tuple[int, str, str], trials: i
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--trials", type=int, default=200)
+    parser.add_argument("--trials", type=int, default=150)
     parser.add_argument("--case", action="append", choices=list(CASES))
     arguments = parser.parse_args()
     print(f"{arguments.trials} trials; coverage of 95 % and 99.73 %, mean (worst) of the errors")
@@ -105,10 +105,9 @@ def main() -> None:
     print(f"{'':45}" + "".join(f"{names[k]:^29}" for k in shown))
     for case in arguments.case or CASES:
         p = problem_of_case(case)
-        truth = run_point(p, settings(realizations=TRUTH, estimator="plain"), 1, 2).estimates.value
-        if "linear" in case or "tilt" in case or "°/s" in case:
-            controlled = settings(realizations=TRUTH, estimator="control_variate")
-            truth = run_point(p, controlled, 1, 2).estimates.value
+        # Controlled: errors that are exactly linear have intervals of no width.
+        known = settings(realizations=TRUTH, estimator="control_variate")
+        truth = run_point(p, known, 1, 2).estimates.value
         for run in RUNS:
             found = coverage(p, truth, run, arguments.trials)
             cells = [

@@ -4,11 +4,15 @@ import numpy as np
 import pytest
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 import mcsim
 from mcsim import Scenario
 from mcsim.figures import draw, draw_over_time, draw_side_by_side
+from tests import strapdown
 from tests.conftest import BASE_YAML, scenario
+
+DENSITY = "sensors.gyroscope.noise_density"
 
 
 @pytest.fixture(scope="module")
@@ -236,3 +240,23 @@ def test_tracks_are_drawn_where_words_are_swept():
     results = mcsim.run(scenario({**words, "monte_carlo.realizations": 50}))
     figure = draw_over_time(results)
     assert len(panels(figure)) == 2
+
+
+def test_remarked_points_are_hollow_and_zeros_stay_in_view():
+    """Without gyroscope noise roll and pitch have no error at all, on axes over decades."""
+    densities = [f"{x} °/s/√Hz" for x in (0, 1e-3, 0.1)]
+    tree = {"monte_carlo.realizations": 50, "sweep": {DENSITY: densities}}
+    s = strapdown.scenario(tree)
+    results = mcsim.run(s)
+    figure = draw(results)
+    assert any("triangles: exactly zero" in text.get_text() for text in figure.findobj(Text))
+    markers = [line.get_marker() for axes in figure.axes for line in axes.lines]
+    assert "v" in markers
+    hollow = [
+        line
+        for axes in figure.axes
+        for line in axes.lines
+        if line.get_markerfacecolor() == "white" and line.get_marker() != "v"
+    ]
+    # All realizations are equal where nothing disturbs, and the table says so.
+    assert hollow

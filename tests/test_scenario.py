@@ -387,3 +387,14 @@ def test_a_sweep_that_is_switched_off_needs_no_other_figure():
     swept = Scenario.from_yaml(BASE_YAML + panel)
     assert swept.n_points == 4
     assert Scenario.from_yaml(BASE_YAML + panel, ["sweep=null"]).n_points == 1
+
+
+def test_keys_without_effect_are_refused():
+    fixed = BASE_YAML.replace("realizations: 200", "realizations: 200, max_realizations: 5000")
+    assert "`max_realizations` is where `precision` gives up" in refuse(fixed)
+    sought = BASE_YAML.replace("realizations: 200", "precision: 1 %, max_realizations: 5000")
+    s = Scenario.from_yaml(sought)
+    assert s.base.monte_carlo.most_realizations == 5000
+    # What the command line does with `--realizations`.
+    none = {"monte_carlo.precision": None, "monte_carlo.max_realizations": None}
+    assert s.with_values({"monte_carlo.realizations": 50, **none}).base.monte_carlo.realizations
