@@ -15,6 +15,7 @@ Whatever goes wrong inside ends in one ``InputError`` that names the file::
 from __future__ import annotations
 
 import bz2
+import codecs
 import gzip
 import io
 import lzma
@@ -31,7 +32,7 @@ from mcsim.errors import InputError, McsimError
 LARGEST_TABLE = 2 << 30
 #: A packed file that unpacks to more than this (bytes) and to this many times its size is no
 #: log: those shrink to a third or a tenth, seldom to a thirtieth.
-_UNPACKED_UNSEEN, _LARGEST_RATIO = 64 << 20, 100
+_UNPACKED_UNSEEN, _LARGEST_RATIO, _LIKELY_RATIO = 64 << 20, 100, 30
 #: Memory that unpacking may take for itself (bytes); xz -9 takes 65 MB.
 _LARGEST_DICTIONARY = 256 << 20
 #: Bytes that tell what a file is.
@@ -51,6 +52,15 @@ _PACKED = {
     ".bz2": b"BZh",
     ".zst": b"\x28\xb5\x2f\xfd",
 }
+#: Bytes at the beginning by which the encoding is known.
+_LOOKED_AT = 1 << 16
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF32_LE, "utf-32-le"),
+    (codecs.BOM_UTF32_BE, "utf-32-be"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
 _UNPACK_IT = "unpack it and name the file inside"
 _SAVE_AS_CSV = "save its table as CSV"
 #: Files that are no text, by place and kind of their first bytes, and the way out.
@@ -78,7 +88,7 @@ def check_file(path: Path, largest: int = LARGEST_TABLE, what: str = "file") -> 
     InputError
         There is no such file, it is none (a folder, a pipe, a device), or it is too large.
     """
-    with readable(path, what):
+    with readable(path):
         status = path.stat()
     for is_kind, said in _KINDS:
         if is_kind(status.st_mode):
@@ -102,7 +112,7 @@ def open_bytes(path: Path, largest: int = LARGEST_TABLE, what: str = "file") -> 
         or unpacks to more than any log holds.
     """
     size = check_file(path, largest, what)
-    with readable(path, what), path.open("rb") as packed:
+    with readable(path), path.open("rb", _LOOKED_AT) as packed:
         head = packed.read(_HEAD)
         packed.seek(0)
         _refuse_foreign(path, head)
@@ -112,9 +122,31 @@ def open_bytes(path: Path, largest: int = LARGEST_TABLE, what: str = "file") -> 
             yield packed
             return
         with _unpacker(path, ending, packed) as unpacked:
-            bounded = io.BufferedReader(_Bounded(unpacked, path, size, largest), 1 << 16)
+            bounded = io.BufferedReader(_Bounded(unpacked, path, size, largest), _LOOKED_AT)
             _refuse_foreign(path, bounded.peek(_HEAD)[:_HEAD])
             yield bounded
+
+
+@contextmanager
+def open_lines(
+    path: Path, largest: int = LARGEST_TABLE, what: str = "file"
+) -> Iterator[tuple[IO[str], str]]:
+    """The text of a file, plain or packed, and the encoding in which it is read.
+
+    A byte-order mark says UTF-8, UTF-16 or UTF-32; without one, text whose beginning is no
+    UTF-8 is Windows-1252, of which Latin-1 is a part.  Line ends become ``\\n``.
+
+    Raises
+    ------
+    InputError
+        As ``open_bytes``.
+    """
+    with open_bytes(path, largest, what) as file:
+        buffered: Any = file
+        head = buffered.peek(_LOOKED_AT)[:_LOOKED_AT]
+        encoding, mark = _encoding(head, whole=len(head) < _LOOKED_AT)
+        file.read(mark)
+        yield io.TextIOWrapper(buffered, encoding, errors="replace"), encoding
 
 
 def read_text(path: Path, largest: int, what: str) -> str:
@@ -126,8 +158,16 @@ def read_text(path: Path, largest: int, what: str) -> str:
         As ``open_bytes``, or the file is no UTF-8 text.
     """
     check_file(path, largest, what)
-    with readable(path, what):
+    with readable(path):
         return path.read_bytes()[: largest + 1].decode("utf-8-sig")
+
+
+def likely_size(path: Path) -> int:
+    """The most bytes that a file of text probably holds, unpacked."""
+    size = check_file(path)
+    with readable(path), path.open("rb") as file:
+        packed = file.read(_HEAD).startswith(tuple(_PACKED.values()))
+    return size * _LIKELY_RATIO if packed else size
 
 
 @contextmanager
@@ -210,6 +250,24 @@ def _zstd(path: Path) -> Callable[[IO[bytes]], IO[bytes]]:
         f"{path}: is packed by zstd, which Python knows from 3.14 on; unpack it by zstd -d, or "
         "install the package zstandard"
     )
+
+
+def _encoding(head: bytes, whole: bool) -> tuple[str, int]:
+    """Encoding of a text by its first bytes, and the length of its byte-order mark."""
+    for mark, encoding in _MARKS:
+        if head.startswith(mark):
+            # Strictly: what begins like UTF-16 and is none is no text.
+            codecs.getincrementaldecoder(encoding)().decode(head[len(mark) :], whole)
+            return encoding, len(mark)
+    nulls = [head[i::2].count(0) for i in (0, 1)]
+    for i, encoding in enumerate(("utf-16-be", "utf-16-le")):
+        if nulls[i] > len(head) // 4 and nulls[1 - i] < len(head) // 100 + 1:
+            return encoding, 0
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        return "cp1252", 0
+    return "utf-8", 0
 
 
 def _refuse_foreign(path: Path, head: bytes) -> None:
