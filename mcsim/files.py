@@ -90,7 +90,7 @@ def check_file(path: Path, largest: int = LARGEST_TABLE, what: str = "file") -> 
     InputError
         There is no such file, it is none (a folder, a pipe, a device), or it is too large.
     """
-    with readable(path, what):
+    with readable(path):
         status = path.stat()
     for is_kind, said in _KINDS:
         if is_kind(status.st_mode):
@@ -160,7 +160,7 @@ def read_text(path: Path, largest: int, what: str) -> str:
         As ``open_bytes``, or the file is no UTF-8 text.
     """
     check_file(path, largest, what)
-    with readable(path, what):
+    with readable(path):
         return path.read_bytes()[: largest + 1].decode("utf-8-sig")
 
 

@@ -14,9 +14,7 @@ HISTORY_REALIZATIONS = 4000
 _MOST_HISTORY_STATES, _FEWEST_HISTORY_REALIZATIONS = 3_000_000, 200
 _FLOAT = 8
 #: Arrays alive at once: of resampled statistics, of kept realizations, of states over time.
-_RESAMPLED, _KEPT_COPIES, _HISTORY_COPIES = 6, 4, 4
-#: Rows of a state over time, errors apart.
-_STATE_ROWS = 9
+_RESAMPLED, _KEPT_COPIES, _HISTORY_COPIES = 6, 4, 3
 
 
 def check_memory(scenario: Scenario, counts: list[int]) -> None:
@@ -54,7 +52,7 @@ def _demands(point: Point, count: int) -> list[tuple[str, int, str]]:
     settings, rows = model.monte_carlo, len(model.error_rows)
     largest = settings.realizations or settings.most_realizations
     instants = ", or ask for fewer `instants`" if rows > len(model.ERRORS) else ""
-    over_time = len(model.ERRORS) + _STATE_ROWS
+    over_time = 2 * len(model.ERRORS)  # states, and as many errors
     histories = 0
     if model.outputs.history:
         histories = history_realizations(settings.realizations, count + 1) * (count + 1)

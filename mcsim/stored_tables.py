@@ -100,9 +100,12 @@ def _parsed(content: bytes, csv: bool) -> pd.DataFrame:
         return table
     import pyarrow.parquet as pq
 
-    if pq.ParquetFile(io.BytesIO(content)).metadata.num_rows > _MOST_ROWS:
-        raise ValueError(f"more than {_MOST_ROWS:,} rows")
-    return pd.read_parquet(io.BytesIO(content))
+    try:
+        if pq.ParquetFile(io.BytesIO(content)).metadata.num_rows > _MOST_ROWS:
+            raise ValueError(f"more than {_MOST_ROWS:,} rows")
+        return pd.read_parquet(io.BytesIO(content))
+    except UnicodeDecodeError:
+        raise ValueError("damaged: a name in it is no text") from None
 
 
 def refuse_unfit(file: Path, table: pd.DataFrame, columns: Iterable[str] = COLUMNS) -> None:

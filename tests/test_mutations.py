@@ -185,6 +185,6 @@ def test_memory_beyond_a_points_share_is_refused_with_the_key():
         check(
             Scenario.from_yaml(
                 next(p for p in SHIPPED if p.stem == "figure1"),
-                {"sweep": {"trajectory.speed": ["0.1 m/s"]}, "outputs": {"history": True}},
+                {"sweep": {"trajectory.speed": ["0.05 m/s"]}, "outputs": {"history": True}},
             )
         )

@@ -35,7 +35,7 @@ from mcsim.sensors.error_model import (
 )
 from mcsim.sensors.low_pass import behind_low_pass
 from mcsim.sensors.measurement import Measurement, NormalWeights
-from mcsim.sensors.sampling import Signals, oversampling, power_beyond, sample
+from mcsim.sensors.sampling import DENSE_RATE, Signals, oversampling, power_beyond, sample
 from mcsim.trajectory import Drive, Motion, drive_of
 from mcsim.units import STANDARD_GRAVITY
 
@@ -389,9 +389,10 @@ def sample_count(drive: Drive, rate: float) -> int:
             f"interval; use a rate above {1.0 / drive.duration:.4g} Hz"
         )
     if count * oversampling(rate) > _MOST_DENSE_SAMPLES or count > _MOST_SAMPLES:
+        slower = drive.duration * DENSE_RATE < _MOST_DENSE_SAMPLES  # a lower rate would do
         raise InputError(
             f"trajectory: the drive lasts {drive.duration:.4g} s, {count:,} samples at "
             f"{rate:g} Hz, more than mcsim can hold; shorten it"
-            f"{', or lower `sensors.rate`' if count > _MOST_SAMPLES else ''}"
+            f"{', or lower `sensors.rate`' if slower else ''}"
         )
     return count
