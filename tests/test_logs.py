@@ -127,6 +127,81 @@ def test_a_bag_of_two_imus_asks_for_a_topic(tmp_path):
         read_log(path, ReadOptions(topic="/imu"))
 
 
+def test_bags_without_stamps_in_their_headers_take_the_bags(tmp_path):
+    path = make_bag(tmp_path, "ros2", ["/imu"], stamped=False)
+    log = read_log(path)
+    check(log)
+    assert any("arrival" in remark for remark in log.remarks)
+    # Or none, and the rate that is stated.
+    names = "accel_x,accel_y,accel_z,gyro_x,gyro_y,gyro_z"
+    with pytest.raises(InputError, match="give the sampling rate"):
+        read_log(path, ReadOptions(columns=names))
+    check(read_log(path, ReadOptions(columns=names, rate=RATE)))
+
+
+def test_an_accelerometer_and_a_gyroscope_on_two_topics_are_joined(tmp_path):
+    path = make_bag(tmp_path, "ros2", ["/b/accel", "/a/gyro"], halves=True)
+    check(read_log(path))
+    check(read_log(path, ReadOptions(topic="/b/accel,/a/gyro")))
+    alone = read_log(path, ReadOptions(topic="/a/gyro"))
+    check(alone, accel=None)
+    assert len(alone.channels) == 3
+    with pytest.raises(InputError, match="holds none of what --columns names"):
+        read_log(path, ReadOptions(topic="/a/gyro", columns="time,accel_x"))
+
+
+def test_channels_of_a_bag_are_left_out_and_its_units_kept(tmp_path):
+    path = make_bag(tmp_path, "mcap", ["/imu"])
+    log = read_log(path, ReadOptions(columns="time,gyro_y,-", units="gyro=rad/s"))
+    assert [channel.name for channel in log.channels] == ["gyro_y"]
+    for options in ({"columns": "time,ax"}, {"columns": "time"}, {"units": "accelerometer=g"}):
+        with pytest.raises(InputError, match=r"--columns|--units"):
+            read_log(path, ReadOptions(**options))
+
+
+@pytest.mark.parametrize("kind", ["ros1", "ros2", "mcap"])
+def test_damaged_bags_end_in_one_sentence(tmp_path, kind):
+    """Bits flipped, lengths of nonsense, parts missing, another kind of file."""
+    path = make_bag(tmp_path, kind, ["/imu"])
+    path = next(path.glob("*.db3")) if kind == "ros2" else path
+    whole, rng = path.read_bytes(), np.random.default_rng(7)
+    damaged = tmp_path / f"damaged{path.suffix}"
+    contents = [b"", b"x", b"time [s],gx\n0,1\n", whole[: len(whole) // 2], whole[:9]]
+    for _ in range(40):
+        content = bytearray(whole)
+        for at in rng.integers(0, 600 if rng.random() < 0.5 else len(whole), 4):
+            content[at : at + 4] = bytes(rng.choice([0, 127, 255], 4).astype(np.uint8))
+        contents.append(bytes(content))
+    refusals = []
+    for content in contents:
+        damaged.write_bytes(content)
+        try:
+            read_log(damaged)
+        except InputError as error:
+            refusals.append(str(error))
+    assert len(refusals) > 10
+    assert not any("\n" in message for message in refusals)
+
+
+def test_metadata_of_a_bag_may_be_nonsense(tmp_path):
+    path = make_bag(tmp_path, "ros2", ["/imu"])
+    text = (path / "metadata.yaml").read_text()
+    contents = ["", "[", "- 1", "&a [*a, *b]", "rosbag2_bagfile_information: 7"]
+    contents += [
+        text.replace(*change)
+        for change in (
+            ("version: 9", "version: [9]"),
+            ("message_count", "x"),
+            ("sqlite3", "none"),
+            ("nanoseconds: ", "nanoseconds: a"),
+        )
+    ]
+    for content in contents:
+        (path / "metadata.yaml").write_text(content)
+        with pytest.raises(InputError, match="not a bag that can be read"):
+            read_log(path)
+
+
 def test_bags_without_rosbags_name_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
     (tmp_path / "log.bag").write_bytes(b"")
@@ -134,7 +209,7 @@ def test_bags_without_rosbags_name_the_extra(tmp_path, monkeypatch):
         read_log(tmp_path / "log.bag")
 
 
-def make_bag(folder, kind, topics):
+def make_bag(folder, kind, topics, stamped=True, halves=False):
     rosbags = pytest.importorskip("rosbags")
     assert rosbags
     from rosbags.rosbag1 import Writer as Writer1
@@ -157,11 +232,13 @@ def make_bag(folder, kind, topics):
             connection = bag.add_connection(topic, name, typestore=store)
             for k in range(ROWS):
                 ns = 10_000_000 * k
-                at = stamp(sec=ns // 10**9, nanosec=ns % 10**9)
+                at = stamp(sec=ns // 10**9, nanosec=ns % 10**9) if stamped else stamp(0, 0)
+                accel = ACCEL[k] * (not halves or "accel" in topic)
+                gyro = GYRO[k] * (not halves or "gyro" in topic)
                 head = {"stamp": at, "frame_id": "imu"} | ({"seq": k} if first else {})
                 message = types[name](
-                    header(**head), turn(0.0, 0.0, 0.0, 1.0), nothing, vector(*map(float, GYRO[k])),
-                    nothing, vector(*map(float, ACCEL[k])), nothing,
+                    header(**head), turn(0.0, 0.0, 0.0, 1.0), nothing, vector(*map(float, gyro)),
+                    nothing, vector(*map(float, accel)), nothing,
                 )  # fmt: skip
                 write_one = store.serialize_ros1 if first else store.serialize_cdr
                 bag.write(connection, ns, write_one(message, name))

@@ -73,11 +73,12 @@ class Clock:
         if start is None and end is None:
             return self
         early = 0.5 * self.interval
-        inside = self.stamps >= (start or 0.0) - early
+        # Counted, not looked up: a late or stale stamp moves no edge.
+        first = int(np.count_nonzero(self.stamps < (start or 0.0) - early))
+        last = len(self.stamps)
         if end is not None:
-            inside &= self.stamps < end - early
-        places = np.flatnonzero(inside)
-        first, last = (int(places[0]), int(places[-1]) + 1) if len(places) else (0, 0)
+            last = int(np.count_nonzero(self.stamps < end - early))
+        last = max(first, last)
         stamps = self.stamps[first:last]
         jumps = tuple((place - first, size) for place, size in self.jumps if first < place < last)
         return replace(
@@ -184,7 +185,7 @@ def _without_steps(times: Array, interval: float) -> tuple[Array, int, list[str]
     for n, place in enumerate(places):
         start = int(places[n - 1]) if n else 0
         end = int(places[n + 1]) if n + 1 < len(places) else len(excess)
-        end = place + _LEVEL if end - place < _NEAR else end
+        end = int(place) + _LEVEL if end - place < _NEAR else end
         start = 0 if place - start < _NEAR else start
         before = np.median(excess[max(start, place - _LEVEL) : place])
         after = np.median(excess[place : min(end, place + _LEVEL)])

@@ -31,7 +31,7 @@ _CALM, _LEAST_SCATTER = 0.1, 0.05
 #: Steps, limit and most trials of the part by which frequent losses may have raised the interval.
 _RAISED, _MOST_RAISED, _TRIALS = 0.004, 0.2, 64
 #: Rows and number of the windows in which that is tried.
-_WINDOW, _WINDOWS = 2048, 4
+_WINDOW, _WINDOWS = 2048, 2
 #: Places of loss whose spacings (rows) agree so well, so often, and are so short, are the clock's
 #: own ticks.
 _REGULAR, _ALIKE, _FREQUENT = 1.0, 0.35, 50.0
@@ -69,9 +69,11 @@ def usual_interval(stamps: Array) -> float:
             break
         lag = min(lag, n - 1)
         slopes = (stamps[lag:] - stamps[:-lag])[:: max(1, lag // 8)] / lag
-        low, middle, high = np.quantile(slopes, (0.25, 0.5, 0.75))
-        if middle > 0.0 and (high - low) / middle < best:
-            best, interval = (high - low) / middle, float(middle)
+        least, low, middle, high, most = np.quantile(slopes, (0.02, 0.25, 0.5, 0.75, 0.98))
+        # Lags within a burst see little time go by, but for the few that leave it.
+        spread = high - low + 0.1 * (most - least)
+        if middle > 0.0 and spread / middle < best:
+            best, interval = spread / middle, float(middle)
     return interval
 
 
@@ -164,7 +166,7 @@ def _path(excess: Array, penalty: float) -> tuple[float, Whole, Array]:
     residuals = np.zeros(len(excess))
     scatter = max(_scatter(excess - _trend(excess)), _LEAST_SCATTER)
     score = 0.0
-    for _ in range(4):
+    for _ in range(3):
         gain = min(_GAIN, 1.0 / (12.0 * _PENALTY * scatter**2))
         cost = follow(excess, scatter, gain, penalty, lost, residuals)
         score = cost + len(excess) * float(np.log(scatter))
@@ -186,21 +188,23 @@ def _true_interval(stamps: Array, numbers: Whole, part: float) -> tuple[float, f
     n = len(stamps)
     starts = np.unique(np.linspace(0, max(n - _WINDOW, 0), _WINDOWS).astype(int))
     regular = np.zeros(len(tried))
-    parts = [slice(start, start + _WINDOW) for start in starts]
-    slopes = [_middle_slope(numbers[rows], stamps[rows]) for rows in parts]
-    for rows, slope in zip(parts, slopes, strict=True):
+    parts = []
+    for start in starts:
+        index, times = numbers[start : start + _WINDOW], stamps[start : start + _WINDOW]
+        slope = _middle_slope(index, times)
+        # In intervals of this window, the late stamps caught up.
+        parts.append((slope, index, _caught_up(times / slope - index) + index))
+    for _, index, times in parts:
         for k, raised in enumerate(tried):
-            excess = stamps[rows] / (slope * (1.0 - raised)) - numbers[rows]
-            score, lost, _ = _path(_caught_up(excess), _penalty(raised))
+            score, lost, _ = _path(times / (1.0 - raised) - index, _penalty(raised))
             scores[k] += score
             regular[k] += _is_regular(lost)
     scores[regular > 0.5 * len(parts)] = np.inf
     best = float(tried[int(np.argmin(scores))])
     intervals = []
-    for rows, slope in zip(parts, slopes, strict=True):
-        excess = stamps[rows] / (slope * (1.0 - best)) - numbers[rows]
-        _, lost, _ = _path(_caught_up(excess), _penalty(best))
-        intervals.append(_line(numbers[rows] + lost, stamps[rows])[0])
+    for slope, index, times in parts:
+        _, lost, _ = _path(times / (1.0 - best) - index, _penalty(best))
+        intervals.append(slope * _line(index + lost, times)[0])
     return float(np.median(intervals)), best
 
 
