@@ -157,6 +157,7 @@ def test_rows_are_counted_as_they_are_read(tmp_path):
         ("t [s],ax [counts]\n0,1\n1,2\n", "16384 counts/g"),
         ("t [s],ax [LSB/g]\n0,1\n1,2\n", "16384 counts/g"),
         ("t,ax,gx\n0,1,1\n1,2,2\n", "--units time=s,accelerometer=m/s^2,gyroscope=deg/s with"),
+        ("t [s],gx [rad/s]\n0,1\n1," + "9" * 400 + "\n2,3\n", ":3: column"),
         ("\x01\x02\0\0\x03", "holds null bytes"),
     ],
 )

@@ -236,7 +236,10 @@ class CsvFile:
         if held.dtype.kind in "if":
             return np.asarray(held)
         texts = column.astype("object").where(column.notna(), None)
-        numbers = pd.to_numeric(texts, errors="coerce").to_numpy(float, copy=True)
+        try:
+            numbers = pd.to_numeric(texts, errors="coerce").to_numpy(float, copy=True)
+        except OverflowError:  # whole numbers of hundreds of digits
+            numbers = np.full(len(texts), np.nan)
         strange = np.isnan(numbers) & column.notna().to_numpy()
         if np.any(strange):
             cells = [str(cell) for cell in texts[strange]]
