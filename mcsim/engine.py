@@ -246,11 +246,15 @@ def _reference(
 
 
 def _rare(problem: Problem) -> Rare | None:
-    """The spikes, if there are any."""
+    """Spikes and flips of angles, if there are any."""
     linear = problem.linear
-    if not np.any(linear.spike_events):
+    none = np.zeros(len(problem.error_names))
+    spikes = linear.spike_events if len(linear.spike_events) else none
+    flips = linear.flips if len(linear.flips) else none
+    if not (np.any(spikes) or np.any(flips)):
         return None
-    return Rare(linear.spike_variance(), linear.spike_events)
+    variance = linear.spike_variance() + flips * np.pi**2
+    return Rare(variance, np.where(flips > 0.0, flips, spikes))
 
 
 def _trusted(problem: Problem, count: int, limits: Sequence[Limit]) -> NDArray[np.bool_]:
@@ -362,7 +366,7 @@ def _note_uncertain(
     share = seen = np.zeros(len(problem.error_names))
     if rare is not None:
         whole = np.maximum(np.sum(list(problem.linear.variances.values()), axis=0), 1e-300)
-        share, seen = rare.variance / whole, rare.events * count
+        share, seen = problem.linear.spike_variance() / whole, rare.events * count
     for i, name in enumerate(problem.error_names):
         if count > 1 and share[i] > _MATTERS and seen[i] < _SEEN:
             _add(

@@ -213,6 +213,17 @@ def angle_limits(
             )
 
 
+def passing(bound: float, centre: float, deviation: float) -> float:
+    """Probability that a normal quantity lies beyond plus or minus ``bound``, if it may at all."""
+    if abs(centre) + _WIDE * deviation < bound:
+        return 0.0
+    from scipy.special import ndtr
+
+    if deviation == 0.0:
+        return 1.0
+    return float(ndtr(-(bound - centre) / deviation) + ndtr(-(bound + centre) / deviation))
+
+
 def may_wrap(centre: float, deviation: float) -> bool:
     """Whether an angle's error may lie beyond half a turn in any realization."""
     return bool(abs(centre) + _WIDE * deviation > np.pi)

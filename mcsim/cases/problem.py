@@ -53,7 +53,8 @@ class LinearModel:
     the signed errors by source of disturbance (for the position error: of its components
     together).  ``quantiles`` are the quantile functions of errors (by row) that are not
     normal.  ``spike_events`` are the spikes that a realization has on average, as many as of
-    equal weight scatter alike; zero or absent where there are none.
+    equal weight scatter alike; ``flips`` the share of realizations whose angle jumps by half a
+    turn; both are zero or absent where there are none.
     """
 
     mean: Array
@@ -63,6 +64,7 @@ class LinearModel:
     variances: Mapping[str, Array]
     quantiles: Mapping[int, Callable[[float], float]]
     spike_events: Array = field(default_factory=lambda: np.zeros(0))
+    flips: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def spread(self) -> Array:

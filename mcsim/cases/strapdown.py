@@ -13,6 +13,7 @@ import numpy as np
 from mcsim.cases.limits import (
     angle_limits,
     duration_limits,
+    passing,
     pitch_limits,
     rate_limits,
     sensor_limits,
@@ -164,7 +165,16 @@ class StrapdownProblem:
         initial = weights.initial * self.initial_deviations
         covariance = self.normal_weights.covariance + initial @ initial.T
         model = linear_model(covariance, by_source, self.method_errors())
-        return replace(model, spike_events=self._spike_events)
+        return replace(model, spike_events=self._spike_events, flips=self._flips(model))
+
+    def _flips(self, model: LinearModel) -> Array:
+        """Share (8,) of realizations whose pitch passes 90°: roll and heading jump there."""
+        names, pitch = self.error_names, float(self.truth.attitude.pitch[-1])
+        flips = np.zeros(len(names))
+        deviation = float(model.spread[names.index("pitch")])
+        beyond = passing(0.5 * np.pi, pitch, deviation)
+        flips[[names.index("roll"), names.index("heading")]] = beyond
+        return flips
 
     @cached_property
     def _spike_events(self) -> Array:
