@@ -1,6 +1,6 @@
 """How often time stamps are judged right: jitter, bursts, stale stamps, steps, and true losses.
 
-    python -m benchmarks.time_stamps [--trials 8] [--rows 6000]
+    python -m benchmarks.time_stamps [--trials 4] [--rows 4000]
 
 Samples are truly equally spaced, and lost at random with the probability of the column.  Right
 is: without losses, none is found; with losses, their number within one or 10 %.  Below stands
@@ -40,8 +40,8 @@ def is_right(lost: int, found: int) -> bool:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--trials", type=int, default=8)
-    parser.add_argument("--rows", type=int, default=6000)
+    parser.add_argument("--trials", type=int, default=4)
+    parser.add_argument("--rows", type=int, default=4000)
     arguments = parser.parse_args()
     print(f"{arguments.trials} logs of {arguments.rows} rows each")
     heads = ["none lost", *(f"{100 * loss:g} % lost" for loss in LOSSES[1:])]

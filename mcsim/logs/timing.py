@@ -219,7 +219,10 @@ def _way_out(found: Judgement, first: int, last: int) -> str:
     stamps, step = found.clock.stamps, 1.0 / found.rate
     digits = max(0, int(np.ceil(-np.log10(step))) + 1)
     start, end = stamps[first], stamps[last - 1] + step
-    rate = f"if the stamps are wrong and no sample is lost, give --rate {found.rate:.6g}"
+    rate = (
+        "if the stamps are wrong (a clock set forward) and no sample is lost, give --rate "
+        f"{found.rate:.6g}"
+    )
     if end - start > _WORTH_SECONDS and last - first > _WORTH_ROWS:
         return f"Cut it out: --start {start:.{digits}f} --end {end:.{digits}f}; {rate}"
     return f"Log it anew; {rate}"

@@ -111,7 +111,7 @@ class Columns(Block):
     """Columns of a recorded track, each written as `NAME in UNIT`."""
 
     time: str = "time in s"
-    """Time stamps; jitter is welcome, going backwards is not."""
+    """Time stamps; jitter is welcome, a clock that was set back or begins anew is continued."""
     x: str | None = None
     """Position to the east, or along any axis."""
     y: str | None = None
