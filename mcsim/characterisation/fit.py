@@ -134,8 +134,8 @@ def fit_noise(
     found = _coefficients(curve, problem, solution, terms, confidence, intervals) | found
     if doubtful:
         plain = replace(problem, filtered=False)
-        beside = _coefficients(curve, plain, solve(plain, _KEPT), _KEPT, confidence, intervals)
-        found["N"] = _both(found["N"], beside["N"])
+        without = _coefficients(curve, plain, solve(plain, _KEPT), _KEPT, confidence, intervals)
+        found["N"] = _both(found["N"], without["N"])
     return NoiseFit(
         coefficients=found,
         squares=solution.squares,
