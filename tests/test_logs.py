@@ -357,7 +357,7 @@ def test_truncated_archives_are_refused(tmp_path, pack):
     for part in (len(whole) // 2, 20):
         path = tmp_path / f"cut.csv{ending}"
         path.write_bytes(whole[:part])
-        with pytest.raises(InputError, match=r"cannot be read \(Compressed file ended"):
+        with pytest.raises(InputError, match=r"cannot be read as a table \(Compressed file ended"):
             read_log(path)
 
 

@@ -389,9 +389,7 @@ def test_a_sweep_that_is_switched_off_needs_no_other_figure():
     assert Scenario.from_yaml(BASE_YAML + panel, ["sweep=null"]).n_points == 1
 
 
-def test_keys_without_effect_are_refused():
-    fixed = BASE_YAML.replace("realizations: 200", "realizations: 200, max_realizations: 5000")
-    assert "`max_realizations` is where `precision` gives up" in refuse(fixed)
+def test_the_most_realizations_belong_to_a_precision():
     sought = BASE_YAML.replace("realizations: 200", "precision: 1 %, max_realizations: 5000")
     s = Scenario.from_yaml(sought)
     assert s.base.monte_carlo.most_realizations == 5000

@@ -51,15 +51,6 @@ class MonteCarlo(Block):
             raise reject("write `realizations: 1000`, or `precision: 1 %`")
         return self
 
-    @model_validator(mode="after")
-    def _keys_have_effect(self) -> MonteCarlo:
-        if self.precision is None and self.max_realizations is not None:
-            raise reject(
-                "`max_realizations` is where `precision` gives up, and has no effect on a fixed "
-                "number of `realizations`; remove it, or write `precision: 1 %` instead"
-            )
-        return self
-
 
 class Outputs(Block):
     """What to keep beyond the table of final errors."""
