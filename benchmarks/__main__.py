@@ -86,7 +86,7 @@ def kernel_speed(rounds: int) -> dict[str, object]:
     everything = problem_of(scenario(**ALL_ERRORS).base, Path())
     terms = problem_of(scenario(**ALL_TERMS).base, Path())
     flicker = problem_of(scenario(**WITH_FLICKER).base, Path())
-    trapezoidal = replace(p, trapezoidal=True)
+    trapezoidal = replace(p, rule="trapezoidal")
     white = p.sensor_errors.white
     rng = np.random.default_rng(1)
     n, many, few = p.n_samples, 12_800, 1_000

@@ -45,7 +45,7 @@ Conventions (the whole package keeps them)
 * A realization's random numbers depend on the seed, its point's own coordinates and
   its index: not on threads, blocks, order, or other points.
 
-Public names: ``Scenario``, ``run``, ``Results``, ``load``, and the exceptions of
+Public names: ``Scenario``, ``run``, ``Results``, ``load``, ``add_rule``, and the exceptions of
 ``mcsim.errors``.
 """
 
@@ -58,13 +58,24 @@ from mcsim.version import __version__
 
 if TYPE_CHECKING:
     from mcsim.api import run
+    from mcsim.cases.own import add_rule
     from mcsim.results import Results
     from mcsim.scenario import Scenario
     from mcsim.store import load
 
-__all__ = ["InputError", "McsimError", "Results", "Scenario", "__version__", "load", "run"]
+__all__ = [
+    "InputError",
+    "McsimError",
+    "Results",
+    "Scenario",
+    "__version__",
+    "add_rule",
+    "load",
+    "run",
+]
 
 _WHERE = {
+    "add_rule": "mcsim.cases.own",
     "Results": "mcsim.results",
     "Scenario": "mcsim.scenario",
     "load": "mcsim.store",

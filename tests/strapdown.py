@@ -11,8 +11,8 @@ import numpy as np
 
 from mcsim import Scenario
 from mcsim.cases import problem_of
+from mcsim.cases.strapdown import integrated
 from mcsim.kernels import strapdown as kernel
-from mcsim.sensors.measurement import no_terms
 from mcsim.units import STANDARD_GRAVITY
 from tests.conftest import ALL_ERRORS, BASE
 
@@ -36,7 +36,6 @@ EVERYTHING = {
 OFFSETS = [0, 1, 2, 12, 13, 14]
 FIRST = [8, 9, 10, 20, 21, 22]
 RULES = ("rectangular", "forward_euler", "trapezoidal", "two_sample")
-METHODS = dict(zip(RULES, range(4), strict=True))
 #: The three channels and their constants that the planar case does not have.
 SPATIAL_CHANNELS = slice(3, 6)
 
@@ -71,32 +70,5 @@ def with_errors(p, white, deviations):
 
 def run_kernel(signals, initial, interval, rule, share=0.5, gravity=STANDARD_GRAVITY):
     """States (9, n + 1) that ideal samples (n + 1, 6) are integrated to."""
-    method = METHODS[rule]
-    turns = np.linalg.norm(np.max(np.abs(signals[:, [2, 4, 5]]), axis=0))
     rows = signals if rule != "forward_euler" else np.concatenate([signals[:1], signals[:-1]])
-    history = np.empty((kernel.HISTORY_ROWS, len(signals), 1))
-    kernel.simulate(
-        np.uint64(0),
-        np.uint64(0),
-        1,
-        rows,
-        np.zeros(kernel.CHANNELS),
-        np.zeros(kernel.N_CONSTANTS),
-        initial,
-        np.zeros(7),
-        np.zeros(3),
-        False,
-        gravity,
-        interval,
-        method,
-        share,
-        turns,
-        np.zeros((0, 0)),
-        np.zeros((0, 0)),
-        np.empty((kernel.ERRORS, 1)),
-        np.empty((kernel.LINEAR_ERRORS, 0)),
-        history,
-        np.zeros((0, 0), np.float32),
-        no_terms(kernel.CHANNELS),
-    )
-    return history[:, :, 0]
+    return integrated(kernel.Motion(*initial), rows, rule, interval, share, gravity)

@@ -7,7 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from mcsim.kernels.planar import simulate
+from mcsim.cases.running import Sensors, run
+from mcsim.kernels import planar
 from tests.conftest import problem
 from tests.reference import random_numpy
 
@@ -22,7 +23,14 @@ def both(tmp_path_factory):
     signals = np.ascontiguousarray(p.signals[: SAMPLES + 1])
     t, start = p.interval, p._start
     vector = np.array(
-        [np.cos(start[3]), np.sin(start[3]), start[2] / t, 0.0, start[0] / t**2, start[1] / t**2]
+        [
+            np.cos(start.heading),
+            np.sin(start.heading),
+            start.speed / t,
+            0.0,
+            start.along / t**2,
+            start.across / t**2,
+        ]
     )
     np.savez(
         folder / "given.npz",
@@ -34,19 +42,20 @@ def both(tmp_path_factory):
     )
     subprocess.run(
         [sys.executable, "-m", "tests.reference.planar_cuda", "given.npz", "result.npz"],
-        env={**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "PYTHONPATH": os.pathsep.join(sys.path)},
+        env={
+            **os.environ,
+            "NUMBA_ENABLE_CUDASIM": "1",
+            "MCSIM_TARGET": "cuda",
+            "PYTHONPATH": os.pathsep.join(sys.path),
+        },
         cwd=folder,
         check=True,
         capture_output=True,
     )
-    errors, nothing = np.empty((5, COUNT)), np.zeros((0, 0))
-    simulate(
-        np.uint64(KEY), np.uint64(0), COUNT, signals, p.sensor_errors.white, np.zeros(7), start,
-        np.zeros(4),
-        t, False, 0.5, p.measurement.largest(signals, 2), nothing, nothing,
-        np.zeros((0, 0), np.float32), errors, np.empty((4, 0)), np.empty((0, 0, 0)),
-        p.measurement.terms,
-    )  # fmt: skip
+    origin = planar.Motion(0.0, 0.0, 0.0, 0.0, 0.0)
+    system = p._system(p.measurement, disturbed=True)._replace(end=origin)
+    sensors = Sensors(signals, p.sensor_errors.white, p.measurement.terms)
+    errors, _ = run(system, KEY, 0, COUNT, sensors)
     return dict(np.load(folder / "result.npz")), errors, t
 
 

@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from mcsim.cases.lengths import length_quantile, mean_length
+from mcsim.kernels.planar import Motion
 from tests.conftest import ALL_ERRORS, NO_NOISE, problem
 
 EVERYTHING = {
@@ -19,10 +20,10 @@ EVERYTHING = {
 
 def end_errors(p, change):
     """Undisturbed end errors after a change of the signals or the initial state."""
-    signals, start = p.signals.copy(), p._start.copy()
+    signals, start = p.signals.copy(), np.array(p._start)
     change(signals, start)
     shifted = replace(p, signals=signals)
-    shifted.__dict__["_start"] = start
+    shifted.__dict__["_start"] = Motion(*map(float, start))
     return shifted.method_errors()[[0, 1, 3, 4]]
 
 

@@ -9,6 +9,7 @@ from scipy import stats
 from scipy.integrate import quad
 
 from mcsim.cases.lengths import length_quantile, mean_length
+from mcsim.kernels.strapdown import Motion
 from tests.strapdown import EVERYTHING, LEANING, RULES, constants_of, problem, with_errors
 
 #: Errors in the order of the weights: along, across, height, course, roll, pitch, heading.
@@ -19,10 +20,10 @@ STARTS = {3: [3], 4: [7, 8], 5: [7], 6: [8], 15: [5], 16: [6]}
 
 def end_errors(p, change):
     """Undisturbed end errors after a change of the signals or the initial state."""
-    signals, start = p.signals.copy(), p._start.copy()
+    signals, start = p.signals.copy(), np.array(p._start)
     change(signals, start)
     shifted = replace(p, signals=signals)
-    shifted.__dict__["_start"] = start
+    shifted.__dict__["_start"] = Motion(*map(float, start))
     return shifted.method_errors()[ORDER]
 
 

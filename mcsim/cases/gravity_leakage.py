@@ -16,8 +16,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.kernels import strapdown as kernel
-from mcsim.sensors.measurement import no_terms
+from mcsim.cases.strapdown import integrated
+from mcsim.kernels import strapdown
 from mcsim.units import KINDS, STANDARD_GRAVITY, parse
 
 Array = NDArray[np.float64]
@@ -102,33 +102,8 @@ def simulate_at_rest(tilt: float, duration: float) -> tuple[Array, Array]:
     Ideal sensors at ``RATE``, the note's forward Euler recursion, a roll wrong by ``tilt`` (rad).
     """
     n = round(duration * RATE)
-    signals = np.zeros((n + 1, kernel.CHANNELS))
+    signals = np.zeros((n + 1, strapdown.Strapdown.CHANNELS))
     signals[:, 3] = STANDARD_GRAVITY
-    initial = np.zeros(9)
-    initial[5] = -tilt
-    history = np.empty((kernel.HISTORY_ROWS, n + 1, 1))
-    kernel.simulate(
-        np.uint64(0),
-        np.uint64(0),
-        1,
-        signals,
-        np.zeros(kernel.CHANNELS),
-        np.zeros(kernel.N_CONSTANTS),
-        initial,
-        np.zeros(7),
-        np.array([0.0, 0.0, STANDARD_GRAVITY]),
-        False,
-        STANDARD_GRAVITY,
-        1.0 / RATE,
-        kernel.FORWARD_EULER,
-        0.0,
-        0.0,
-        np.zeros((0, 0)),
-        np.zeros((0, 0)),
-        np.empty((kernel.ERRORS, 1)),
-        np.empty((kernel.LINEAR_ERRORS, 0)),
-        history,
-        np.zeros((0, 0), np.float32),
-        no_terms(kernel.CHANNELS),
-    )
-    return history[4, :, 0], history[1, :, 0]
+    start = strapdown.AT_ORIGIN._replace(roll=-tilt)
+    history = integrated(start, signals, "forward_euler", 1.0 / RATE)
+    return history[4], history[1]

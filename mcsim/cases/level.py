@@ -84,7 +84,7 @@ class LevelProblem:
             initial_deviations=initial_deviations(model.initial),
             truth=_flat(samples.truth, samples.signals),
             interval=1.0 / sensors.rate,
-            trapezoidal=model.reconstruction.integration == "trapezoidal",
+            rule=model.reconstruction.integration,
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
             missing=course_missing(drive.drive),
             beyond_rate=samples.beyond_rate[: len(CHANNELS)],

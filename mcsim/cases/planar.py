@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from mcsim.cases.limits import angle_limits, rate_limits, sensor_limits, units_of
 from mcsim.cases.nets import net_normals
+from mcsim.cases.own import own_system
 from mcsim.cases.planar_linear import (
     ACROSS,
     ALONG,
@@ -22,7 +24,9 @@ from mcsim.cases.planar_linear import (
     linear_weights,
 )
 from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
+from mcsim.cases.running import LinearWeights, Sensors, adjoint_weights, run
 from mcsim.errors import InputError
+from mcsim.kernels import planar
 from mcsim.scenario import PlanarScenario
 from mcsim.scenario.planar import Initial
 from mcsim.sensors.error_model import (
@@ -52,7 +56,7 @@ SIGNAL_NAMES = ("forward acceleration", "left acceleration", "yaw rate")
 
 @dataclass(frozen=True)
 class PlanarProblem:
-    """Arrays and numbers of the planar kernel; see ``mcsim.kernels.planar.simulate``.
+    """Arrays and numbers of the planar system; see ``mcsim.kernels.planar.Planar``.
 
     ``signals`` (n + 1, 3) and all sensor errors hold turns per interval in the place of yaw
     rates; further columns are channels that show in the three by misalignment; of each
@@ -66,7 +70,7 @@ class PlanarProblem:
     sensor_errors: ChannelErrors
     truth: Motion
     interval: float
-    trapezoidal: bool
+    rule: str
     previous_share: float
     missing: Mapping[str, str]
     beyond_rate: Array = field(default_factory=lambda: np.zeros(3))
@@ -96,7 +100,7 @@ class PlanarProblem:
             sensor_errors=per_interval(errors, (*RATES, False), 1.0 / sensors.rate),
             truth=samples.truth,
             interval=1.0 / sensors.rate,
-            trapezoidal=model.reconstruction.integration == "trapezoidal",
+            rule=model.reconstruction.integration,
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
             missing=course_missing(drive),
             beyond_rate=samples.beyond_rate,
@@ -109,12 +113,14 @@ class PlanarProblem:
     @cached_property
     def weights(self) -> Weights:
         """First-order weights of all disturbances."""
+        if self._own is not None:
+            return self._own_weights()
         return linear_weights(
             self.signals,
             self.initial_deviations,
             self._start,
             self.interval,
-            self.trapezoidal,
+            self.rule == "trapezoidal",
             self.previous_share,
         )
 
@@ -177,11 +183,50 @@ class PlanarProblem:
         other.__dict__["measurement"] = measurement
         return other
 
+    @property
+    def _own(self) -> type[Any] | None:
+        """The system of a user's own rule."""
+        return own_system("planar", self.rule)
+
+    def _own_weights(self) -> Weights:
+        """Weights from the rule's own steps, in the order along, across, heading, course."""
+        system = self._system(Measurement.none(self.sensor_errors), disturbed=False)
+        samples, constants = adjoint_weights(system, self.signals)
+        rows = [0, 1, 3, 2]
+        initial = constants[rows, 3:7] * self.initial_deviations
+        return Weights(np.ascontiguousarray(samples[rows]), initial)
+
     @cached_property
-    def _start(self) -> Array:
-        truth = self.truth
-        return np.array(
-            [truth.along[0], truth.across[0], truth.speed[0], truth.heading[0], truth.course[0]]
+    def _start(self) -> planar.Motion:
+        return self._motion(0)
+
+    def _motion(self, sample: int) -> planar.Motion:
+        """The true motion at a sample."""
+        t = self.truth
+        rows = (t.along, t.across, t.speed, t.heading, t.course)
+        return planar.Motion(*(float(row[sample]) for row in rows))
+
+    def _system(self, m: Measurement, disturbed: bool) -> planar.Planar:
+        """The numbers of the system, with a measurement's offsets."""
+        end = self._motion(-1)
+        if "course" in self.missing:
+            end = end._replace(course=math.nan)
+        initial = self.initial_deviations if disturbed else np.zeros(4)
+        deviations = planar.Deviations(*map(float, (*m.offsets, *initial)))
+        trapezoidal = self.rule == "trapezoidal"
+        way = planar.way_of(
+            trapezoidal, m.largest(self.signals, 2), offsets=bool(np.any(m.offsets))
+        )
+        kind: type[planar.Planar] = self._own or planar.Planar
+        return kind(
+            way=0 if self._own else way,
+            interval=self.interval,
+            previous_share=self.previous_share,
+            # The trapezoidal rule uses the noise of sample 0, and so may others.
+            draws=trapezoidal or bool(self._own) or any(deviations),
+            deviations=deviations,
+            start=self._start,
+            end=end,
         )
 
     @cached_property
@@ -208,9 +253,7 @@ class PlanarProblem:
         return np.stack([along, across, length - math.hypot(*method[:2]), heading, course])
 
     def history(self, key: int, first: int, count: int, net: int = 0) -> History:
-        from mcsim.kernels.planar import HISTORY_ROWS
-
-        states = np.empty((HISTORY_ROWS, self.n_samples + 1, count))
+        states = np.empty((planar.Planar.HISTORY, self.n_samples + 1, count))
         self._run(key, first, count, history=states, net=net)
         truth = self.truth
         along = states[0] - truth.along[:, None]
@@ -245,51 +288,26 @@ class PlanarProblem:
         net: int = 0,
     ) -> tuple[Array, Array]:
         """Errors (5, count) and linear errors (4, count or 0)."""
-        from mcsim.kernels.planar import ERRORS, LINEAR_ERRORS, simulate
-
-        truth = self.truth
-        course_end = math.nan if "course" in self.missing else float(truth.course[-1])
-        errors = np.empty((ERRORS, count))
-        linear = np.empty((LINEAR_ERRORS, count if with_linear else 0))
-        samples, constants = _NO_SAMPLES, _NO_CONSTANTS
-        if with_linear:
-            samples, constants = self._kernel_weights
         m = self.measurement if disturbed else Measurement.none(self.sensor_errors)
-        factor = 1.0 if disturbed else 0.0
-        simulate(
-            np.uint64(key),
-            np.uint64(first),
+        return run(
+            self._system(m, disturbed),
+            key,
+            first,
             count,
-            self.signals,
-            m.white,
-            np.append(m.offsets, factor * self.initial_deviations),
-            self._start,
-            np.array([truth.along[-1], truth.across[-1], truth.heading[-1], course_end]),
-            self.interval,
-            self.trapezoidal,
-            self.previous_share,
-            m.largest(self.signals, 2),
-            samples,
-            constants,
-            net_normals(key, first, count, net, self._drawn(m)) if net else _NONE_GIVEN,
-            errors,
-            linear,
-            np.empty((0, 0, 0)) if history is None else history,
-            m.terms,
+            Sensors(self.signals, m.white, m.terms),
+            self._kernel_weights if with_linear else None,
+            net_normals(key, first, count, net, self._drawn(m)) if net else None,
+            history,
         )
-        return errors, linear
 
     @staticmethod
     def _drawn(measurement: Measurement) -> int:
         """Normals that the kernel draws once per realization."""
-        from mcsim.kernels.planar import N_CONSTANTS
-
-        return -(-(N_CONSTANTS + measurement.coefficients) // 4) * 4
+        return -(-(planar.Planar.CONSTANTS + measurement.coefficients) // 4) * 4
 
     def mixing_normals(self, key: int, first: int, count: int, net: int = 0) -> Array:
         """The normals (m, count) of the mixing coefficients of some realizations."""
         from mcsim.kernels.constants import constants_of
-        from mcsim.kernels.planar import N_CONSTANTS
 
         drawn = self._drawn(self.measurement)
         if net:
@@ -298,28 +316,27 @@ class PlanarProblem:
             normals = np.empty((drawn, count), np.float32)
             constants_of(np.uint64(key), np.uint64(first), normals)
         entries = len(self.sensor_errors.mixing)
-        return normals[N_CONSTANTS : N_CONSTANTS + entries].astype(float)
+        fixed = planar.Planar.CONSTANTS
+        return normals[fixed : fixed + entries].astype(float)
 
     @cached_property
-    def _kernel_weights(self) -> tuple[Array, Array]:
+    def _kernel_weights(self) -> LinearWeights:
         """Weights of along, across, course and heading, laid out for the kernel."""
-        from mcsim.kernels.planar import N_CONSTANTS
-
+        fixed = planar.Planar.CONSTANTS
         rows = [ALONG, ACROSS, COURSE, HEADING]
         w = self.normal_weights
         # Sample 0 is among the constants.
-        nine = np.moveaxis(w.samples[rows[:3]], 0, 1).reshape(-1, 9)
-        samples = np.column_stack([nine, w.samples[HEADING, :, 2]])
-        constants = np.zeros((4, N_CONSTANTS + w.mixing.shape[1]))
+        if self._own is None:
+            nine = np.moveaxis(w.samples[rows[:3]], 0, 1).reshape(-1, 9)
+            samples = np.column_stack([nine, w.samples[HEADING, :, 2]])
+        else:
+            samples = np.moveaxis(w.samples[rows], 0, 1).reshape(-1, 12)
+        constants = np.zeros((4, fixed + w.mixing.shape[1]))
         constants[:, :3] = w.offsets[rows]
         constants[:, 3:7] = self.weights.initial[rows]
         constants[:, 8:11] = w.samples[rows, 0]
-        constants[:, N_CONSTANTS:] = w.mixing[rows]
-        return samples, constants
-
-
-_NO_SAMPLES, _NO_CONSTANTS = np.zeros((0, 0)), np.zeros((0, 0))
-_NONE_GIVEN = np.zeros((0, 0), np.float32)
+        constants[:, fixed:] = w.mixing[rows]
+        return LinearWeights(samples, constants)
 
 
 @dataclass(frozen=True)

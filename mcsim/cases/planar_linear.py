@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mcsim.cases.lengths import length_quantile, mean_length
 from mcsim.cases.problem import LinearModel
+from mcsim.kernels.planar import Motion
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -56,28 +57,27 @@ class Weights:
 def linear_weights(
     signals: Array,
     deviations: Array,
-    start: Array,
+    start: Motion,
     interval: float,
     trapezoidal: bool,
     previous_share: float,
 ) -> Weights:
     """Weights of all disturbances.
 
-    Parameters are those of ``mcsim.kernels.planar.simulate``: ``signals`` (n + 1, 3)
-    with turns per interval, ``start`` the state along, across, speed, heading, course,
+    ``signals`` (n + 1, 3) have turns per interval, ``start`` is the motion at sample 0,
     ``deviations`` (4,) those of the initial errors of speed, direction, heading, course.
     """
     n = len(signals) - 1
     share = previous_share if trapezoidal else 0.0
     own_turn = 0.5 if trapezoidal else 1.0
     means = (1.0 - share) * signals[1:] + share * signals[:-1]
-    turned = start[3] + np.cumsum(means[:, 2]) - (1.0 - own_turn) * means[:, 2]
+    turned = start.heading + np.cumsum(means[:, 2]) - (1.0 - own_turn) * means[:, 2]
     rotation = np.exp(1j * turned)
     acceleration = rotation * (means[:, 0] + 1j * means[:, 1])
     # How long each sample's velocity acts on the position, in intervals.
     acts = n - np.arange(n) - (0.5 if trapezoidal else 0.0)
-    direction = np.exp(1j * start[4])
-    velocity = start[2] * direction + interval * np.sum(acceleration)
+    direction = np.exp(1j * start.course)
+    velocity = start.speed * direction + interval * np.sum(acceleration)
 
     # Velocity and position at the end per unit mean forward, left acceleration and turn.
     velocity_of = np.empty((n, 3), complex)
@@ -96,7 +96,7 @@ def linear_weights(
     per_sample[:, 1:] += (1.0 - share) * per_mean
     per_sample[:, :-1] += share * per_mean
 
-    moved = np.array([direction, 1j * start[2] * direction], complex)
+    moved = np.array([direction, 1j * start.speed * direction], complex)
     speed, course = _end_errors(moved * complex(n * interval), moved, np.zeros(2), velocity).T
     all_turned = 1j * interval * np.sum(acceleration)
     all_moved = 1j * interval**2 * np.sum(acts * acceleration)

@@ -1,4 +1,4 @@
-"""The strapdown case: a scenario's point as arrays for the strapdown kernel."""
+"""The strapdown case: a scenario's point as arrays for the strapdown strapdown."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,11 +22,13 @@ from mcsim.cases.limits import (
     units_of,
 )
 from mcsim.cases.nets import net_normals
+from mcsim.cases.own import own_system
 from mcsim.cases.planar import CHANNELS as PLANAR_CHANNELS
 from mcsim.cases.planar import SIGNAL_NAMES, course_missing, rarer, sample_count, wrap
 from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
+from mcsim.cases.running import LinearWeights, Sensors, adjoint_weights, run
 from mcsim.cases.strapdown_linear import Weights, linear_model, linear_weights
-from mcsim.kernels import strapdown as kernel
+from mcsim.kernels import strapdown
 from mcsim.scenario import StrapdownScenario
 from mcsim.sensors.error_model import (
     ACCELEROMETER,
@@ -36,9 +39,10 @@ from mcsim.sensors.error_model import (
     per_interval,
 )
 from mcsim.sensors.low_pass import behind_low_pass
-from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights
+from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights, no_terms
 from mcsim.sensors.sampling import Signals, power_beyond, sample
 from mcsim.trajectory.spatial import SpatialDrive, SpatialMotion, spatial_drive
+from mcsim.units import STANDARD_GRAVITY
 
 #: The planar case's channels, then those that it does not have: up, roll rate, pitch rate.
 CHANNELS = (
@@ -47,21 +51,14 @@ CHANNELS = (
     Channel(GYROSCOPE, 0),
     Channel(GYROSCOPE, 1),
 )
-_TURNS = [2, 4, 5]
 RATES = (False, False, True, False, True, True)
 _SIGNAL_NAMES = (*SIGNAL_NAMES, "upward acceleration", "roll rate", "pitch rate")
-_METHODS = {
-    "rectangular": kernel.RECTANGULAR,
-    "forward_euler": kernel.FORWARD_EULER,
-    "trapezoidal": kernel.TRAPEZOIDAL,
-    "two_sample": kernel.TWO_SAMPLE,
-}
 _STILL = 1e-9
 
 
 @dataclass(frozen=True)
 class StrapdownProblem:
-    """Arrays and numbers of the strapdown kernel; see ``mcsim.kernels.strapdown.simulate``.
+    """Arrays and numbers of the strapdown system; see ``mcsim.kernels.strapdown.Strapdown``.
 
     ``signals`` (n + 1, 6) are true samples, with turns per interval in the place of rates, as
     in all sensor errors; ``initial_deviations`` (24,) are those of initial errors, in the
@@ -77,7 +74,7 @@ class StrapdownProblem:
     levelled: bool
     gravity: float
     interval: float
-    method: int
+    rule: str
     previous_share: float
     missing: Mapping[str, str]
     beyond_rate: Array = field(default_factory=lambda: np.zeros(6))
@@ -115,7 +112,7 @@ class StrapdownProblem:
             levelled=levelling is not None,
             gravity=model.body.gravity,
             interval=1.0 / sensors.rate,
-            method=_METHODS[model.reconstruction.integration],
+            rule=model.reconstruction.integration,
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
             missing=course_missing(drive.drive),
             beyond_rate=samples.beyond_rate,
@@ -128,6 +125,8 @@ class StrapdownProblem:
     @cached_property
     def weights(self) -> Weights:
         """First-order weights of all disturbances."""
+        if self._own is not None:
+            return self._own_weights()
         return linear_weights(
             self._rows,
             self._start,
@@ -135,14 +134,14 @@ class StrapdownProblem:
             self.levelled,
             self.gravity,
             self.interval,
-            self.method,
+            self.rule,
             self.previous_share,
         )
 
     @cached_property
     def measurement(self) -> Measurement:
         """The sensor errors as the kernel takes them."""
-        first = 1 if self.method == kernel.FORWARD_EULER else 0
+        first = 1 if self.rule == "forward_euler" else 0
         return Measurement.of(self.sensor_errors, self._rows, self.interval, first=first)
 
     @cached_property
@@ -213,33 +212,63 @@ class StrapdownProblem:
     @cached_property
     def _rows(self) -> Array:
         """The samples as the integrator takes them: the forward Euler rule is one behind."""
-        if self.method != kernel.FORWARD_EULER:
+        if self.rule != "forward_euler":
             return self.signals
         return np.concatenate([self.signals[:1], self.signals[:-1]])
 
-    @cached_property
-    def _start(self) -> Array:
-        truth = self.truth
-        horizontal, upwards = np.hypot(*truth.velocity[:2, 0]), truth.velocity[2, 0]
-        attitude = truth.attitude
-        return np.array(
-            [
-                *truth.position[:, 0],
-                math.hypot(horizontal, upwards),
-                math.atan2(upwards, horizontal),
-                attitude.roll[0],
-                attitude.pitch[0],
-                attitude.heading[0],
-                truth.course[0],
-            ]
-        )
+    @property
+    def _own(self) -> type[Any] | None:
+        """The system of a user's own rule."""
+        return own_system("strapdown", self.rule)
+
+    def _own_weights(self) -> Weights:
+        """Weights from the rule's own steps; what levels is taken from the motion it makes."""
+        system = self._system(Measurement.none(self.sensor_errors), disturbed=False)
+        samples, constants = adjoint_weights(system, self._rows)
+        return Weights(samples, constants, np.zeros((len(samples), samples.shape[2])))
 
     @cached_property
-    def _end(self) -> Array:
-        attitude = self.truth.attitude
-        course = math.nan if "course" in self.missing else self.truth.course[-1]
-        angles = (attitude.roll[-1], attitude.pitch[-1], attitude.heading[-1], course)
-        return np.array([*self.truth.position[:, -1], *angles])
+    def _start(self) -> strapdown.Motion:
+        return self._motion(0)
+
+    def _motion(self, sample: int) -> strapdown.Motion:
+        """The true motion at a sample."""
+        truth = self.truth
+        along, across, height = map(float, truth.position[:, sample])
+        horizontal = float(np.hypot(*truth.velocity[:2, sample]))
+        upwards = float(truth.velocity[2, sample])
+        return strapdown.Motion(
+            along,
+            across,
+            height,
+            math.hypot(horizontal, upwards),
+            math.atan2(upwards, horizontal),
+            *(float(angles[sample]) for angles in (*_angles(truth), truth.course)),
+        )
+
+    def _system(self, m: Measurement, disturbed: bool) -> strapdown.Strapdown:
+        """The numbers of the system, with a measurement's offsets."""
+        end = self._motion(-1)
+        if "course" in self.missing:
+            end = end._replace(course=math.nan)
+        fixed = self._deviations(m) if disturbed else np.zeros(strapdown.Strapdown.CONSTANTS)
+        deviations = strapdown.Deviations(*map(float, fixed[_DEVIATIONS]))
+        second_order = self.rule in ("trapezoidal", "two_sample")
+        turns = [m.largest(self.signals, turn) for turn in strapdown.TURNS]
+        kind: type[strapdown.Strapdown] = self._own or strapdown.Strapdown
+        return kind(
+            way=0 if self._own else strapdown.way_of(self.rule, float(np.linalg.norm(turns))),
+            interval=self.interval,
+            gravity=self.gravity,
+            previous_share=self.previous_share if second_order else 0.0,
+            coning=1.0 / 12.0 if self.rule == "two_sample" else 0.0,
+            draws=self.levelled or bool(self._own) or bool(np.any(fixed)),
+            levelled=self.levelled,
+            rest=strapdown.Force(*map(float, self.rest)),
+            deviations=deviations,
+            start=self._start,
+            end=end,
+        )
 
     @cached_property
     def _method_errors(self) -> Array:
@@ -266,7 +295,7 @@ class StrapdownProblem:
         return np.stack([along, across, height, position, roll, pitch, heading, course])
 
     def history(self, key: int, first: int, count: int, net: int = 0) -> History:
-        states = np.empty((kernel.HISTORY_ROWS, self.n_samples + 1, count))
+        states = np.empty((strapdown.Strapdown.HISTORY, self.n_samples + 1, count))
         self._run(key, first, count, history=states, net=net)
         truth = self.truth
         errors = states[:3] - truth.position[:, :, None]
@@ -303,78 +332,76 @@ class StrapdownProblem:
         net: int = 0,
     ) -> tuple[Array, Array]:
         """Errors (8, count) and linear errors (7, count or 0)."""
-        errors = np.empty((kernel.ERRORS, count))
-        linear = np.empty((kernel.LINEAR_ERRORS, count if with_linear else 0))
-        samples, constants = self._kernel_weights if with_linear else (_NOTHING, _NOTHING)
         m = self.measurement if disturbed else Measurement.none(self.sensor_errors)
-        drawn = kernel.N_CONSTANTS + -(-m.coefficients // 4) * 4
-        kernel.simulate(
-            np.uint64(key),
-            np.uint64(first),
+        drawn = strapdown.Strapdown.CONSTANTS + -(-m.coefficients // 4) * 4
+        return run(
+            self._system(m, disturbed),
+            key,
+            first,
             count,
-            self._rows,
-            m.white,
-            self._deviations(m) if disturbed else np.zeros(kernel.N_CONSTANTS),
-            self._start,
-            self._end,
-            self.rest,
-            self.levelled,
-            self.gravity,
-            self.interval,
-            self.method,
-            self.previous_share,
-            float(np.linalg.norm([m.largest(self.signals, turn) for turn in _TURNS])),
-            samples,
-            constants,
-            errors,
-            linear,
-            np.empty((0, 0, 0)) if history is None else history,
-            net_normals(key, first, count, net, drawn) if net else _NONE_GIVEN,
-            m.terms,
+            Sensors(self._rows, m.white, m.terms),
+            self._kernel_weights if with_linear else None,
+            net_normals(key, first, count, net, drawn) if net else None,
+            history,
         )
-        return errors, linear
 
     def _deviations(self, m: Measurement) -> Array:
         """Standard deviations (24,) of the constants, in the kernel's order."""
         deviations = self.initial_deviations.copy()
         deviations[_OFFSETS] = m.offsets
-        if self.method != kernel.FORWARD_EULER:
+        if self.rule != "forward_euler":
             deviations[_FIRST] = m.white
         deviations[_REST] = [m.means[channel].deviation for channel in _FORCE]
         return deviations
 
     @cached_property
-    def _kernel_weights(self) -> tuple[Array, Array]:
+    def _kernel_weights(self) -> LinearWeights:
         """Weights laid out for the kernel: four errors of all channels, three of the turns."""
         w = self.normal_weights
-        channels = np.moveaxis(w.samples[:4], 0, 1).reshape(-1, 24)
-        turns = np.moveaxis(w.samples[4:][:, :, _TURNS], 0, 1).reshape(-1, 9)
-        constants = np.zeros((7, kernel.N_CONSTANTS + w.mixing.shape[1]))
-        constants[:, : kernel.N_CONSTANTS] = self.weights.initial * self.initial_deviations
+        if self._own is None:
+            channels = np.moveaxis(w.samples[:4], 0, 1).reshape(-1, 24)
+            turns = np.moveaxis(w.samples[4:][:, :, strapdown.TURNS], 0, 1).reshape(-1, 9)
+            samples = np.column_stack([channels, turns])
+        else:
+            samples = np.moveaxis(w.samples, 0, 1).reshape(-1, 42)
+        fixed = strapdown.Strapdown.CONSTANTS
+        constants = np.zeros((7, fixed + w.mixing.shape[1]))
+        constants[:, :fixed] = self.weights.initial * self.initial_deviations
         constants[:, _OFFSETS] = w.offsets
         constants[:, _FIRST] = w.samples[:, 0]
         constants[:, _REST] = w.levelling[:, _FORCE]
-        constants[:, kernel.N_CONSTANTS :] = w.mixing
-        return np.column_stack([channels, turns]), constants
+        constants[:, fixed:] = w.mixing
+        return LinearWeights(samples, constants)
 
 
-_NOTHING = np.zeros((0, 0))
-_NONE_GIVEN = np.zeros((0, 0), np.float32)
 #: Constants of the channels' offsets and of their noise at sample 0, in channel order.
-_OFFSETS = [0, 1, 2, kernel.SPATIAL, kernel.SPATIAL + 1, kernel.SPATIAL + 2]
+_OFFSETS = [0, 1, 2, strapdown.SPATIAL, strapdown.SPATIAL + 1, strapdown.SPATIAL + 2]
 _FIRST = [
-    *range(kernel.FIRST_PLANAR, kernel.FIRST_PLANAR + 3),
-    *range(kernel.FIRST_SPATIAL, kernel.FIRST_SPATIAL + 3),
+    *range(strapdown.FIRST_PLANAR, strapdown.FIRST_PLANAR + 3),
+    *range(strapdown.FIRST_SPATIAL, strapdown.FIRST_SPATIAL + 3),
 ]
 
 
 #: Constants of the mean specific force at rest, and the channels that it is the mean of.
-_REST, _FORCE = [kernel.REST, kernel.REST + 1, kernel.REST + 2], [0, 1, 3]
+_REST, _FORCE = [strapdown.REST, strapdown.REST + 1, strapdown.REST + 2], [0, 1, 3]
+
+
+#: Constants in the order of ``Deviations``.
+_DEVIATIONS = [
+    *_OFFSETS,
+    strapdown.SPEED,
+    strapdown.DIRECTION,
+    strapdown.HEADING,
+    strapdown.COURSE,
+    strapdown.ROLL,
+    strapdown.PITCH,
+    *_REST,
+]
 
 
 def signals_at_rest(force: Array) -> Array:
     """True signals (6,) of a vehicle at rest under the specific force (3,): forward, left, up."""
-    signals = np.zeros(kernel.CHANNELS)
+    signals = np.zeros(strapdown.Strapdown.CHANNELS)
     signals[_FORCE] = force
     return signals
 
@@ -386,21 +413,57 @@ def _angles(truth: SpatialMotion) -> Array:
 
 def _per_interval(rate: float) -> Array:
     """Factors (6,) from rates to turns per interval."""
-    factors = np.ones(kernel.CHANNELS)
-    factors[_TURNS] = 1.0 / rate
+    factors = np.ones(strapdown.Strapdown.CHANNELS)
+    factors[list(strapdown.TURNS)] = 1.0 / rate
     return factors
 
 
 def _initial_deviations(model: StrapdownScenario) -> Array:
     """Standard deviations (24,) of the initial errors, in the places of the kernel's constants."""
     initial = model.initial
-    deviations = np.zeros(kernel.N_CONSTANTS)
-    deviations[kernel.SPEED] = initial.speed_error
-    deviations[kernel.DIRECTION] = initial.direction_error
-    deviations[kernel.HEADING] = initial.heading_error
-    deviations[kernel.COURSE] = initial.course_error
-    deviations[[kernel.ROLL, kernel.PITCH]] = tilt_deviations(model)
+    deviations = np.zeros(strapdown.Strapdown.CONSTANTS)
+    deviations[strapdown.SPEED] = initial.speed_error
+    deviations[strapdown.DIRECTION] = initial.direction_error
+    deviations[strapdown.HEADING] = initial.heading_error
+    deviations[strapdown.COURSE] = initial.course_error
+    deviations[[strapdown.ROLL, strapdown.PITCH]] = tilt_deviations(model)
     return deviations
+
+
+def integrated(
+    start: strapdown.Motion,
+    rows: Array,
+    rule: str,
+    interval: float,
+    previous_share: float = 0.5,
+    gravity: float = STANDARD_GRAVITY,
+) -> Array:
+    """States (9, n + 1) that undisturbed samples (n + 1, 6) are integrated to from ``start``.
+
+    Position and velocity (along, across, height), roll, pitch, heading; ``rows`` hold turns per
+    interval, one row late for the forward Euler rule.
+    """
+    kind = strapdown.Strapdown
+    nothing = np.zeros(kind.CHANNELS)
+    second_order = rule in ("trapezoidal", "two_sample")
+    turns = np.max(np.abs(rows[:, strapdown.TURNS]), axis=0)
+    system = kind(
+        way=strapdown.way_of(rule, float(np.linalg.norm(turns))),
+        interval=interval,
+        gravity=gravity,
+        previous_share=previous_share if second_order else 0.0,
+        coning=1.0 / 12.0 if rule == "two_sample" else 0.0,
+        draws=False,
+        levelled=False,
+        rest=strapdown.Force(0.0, 0.0, gravity),
+        deviations=strapdown.NO_DEVIATIONS,
+        start=start,
+        end=strapdown.AT_ORIGIN,
+    )
+    history = np.empty((kind.HISTORY, len(rows), 1))
+    sensors = Sensors(rows, nothing, no_terms(kind.CHANNELS))
+    run(system, 0, 0, 1, sensors, history=history)
+    return history[:, :, 0]
 
 
 def tilt_deviations(model: StrapdownScenario) -> tuple[float, float]:

@@ -19,14 +19,12 @@ from mcsim.cases.problem import LinearModel
 from mcsim.kernels.strapdown import (
     COURSE,
     DIRECTION,
-    FORWARD_EULER,
     HEADING,
-    N_CONSTANTS,
     PITCH,
-    RECTANGULAR,
     ROLL,
     SPEED,
-    TWO_SAMPLE,
+    Motion,
+    Strapdown,
 )
 from mcsim.trajectory.attitude import euler_angles, rotation_matrix
 
@@ -90,24 +88,28 @@ class _Interval:
 
 def linear_weights(
     signals: Array,
-    initial: Array,
+    start: Motion,
     rest: Array,
     levelled: bool,
     gravity: float,
     interval: float,
-    method: int,
+    rule: str,
     previous_share: float,
 ) -> Weights:
-    """Weights of all disturbances; parameters as in ``mcsim.kernels.strapdown.simulate``."""
+    """Weights of all disturbances.
+
+    ``signals`` (n + 1, 6) as the rule takes them, ``start`` the motion at sample 0, ``rest`` (3,)
+    the specific force at rest.
+    """
     n = len(signals) - 1
-    means = _means(signals, method, previous_share)
-    matrices = _attitudes(means.turn, initial)
-    acting, own = _acting(matrices, means.turn, method)
+    means = _means(signals, rule, previous_share)
+    matrices = _attitudes(means.turn, start)
+    acting, own = _acting(matrices, means.turn, rule)
     force = np.einsum("nij,nj->ni", acting, means.force)
-    late = {RECTANGULAR: 0.0, FORWARD_EULER: 1.0}.get(method, 0.5)
+    late = {"rectangular": 0.0, "forward_euler": 1.0}.get(rule, 0.5)
     # How long each interval's velocity acts on the position, in intervals.
     acts = n - np.arange(n) - late
-    velocity = _velocity(initial) + interval * np.sum(force, axis=0)
+    velocity = _velocity(start) + interval * np.sum(force, axis=0)
     velocity[2] -= interval * n * gravity
 
     after = matrices[1:] @ _jacobian(means.turn)
@@ -127,14 +129,14 @@ def linear_weights(
     samples = np.zeros((7, n + 1, 6))
     samples[:, :, [*_FORCE, *_TURN]] = np.moveaxis(per_sample, 0, 1)
 
-    constants = np.zeros((7, N_CONSTANTS))
+    constants = np.zeros((7, Strapdown.CONSTANTS))
     at_rest = np.zeros((7, 6))
     all_pushes = [interval * force.sum(axis=0), interval**2 * (acts[:, None] * force).sum(axis=0)]
-    axes = _euler_axes(initial[5:8])
+    axes = _euler_axes(start.pitch, start.heading)
     by_tilt = at_end.of(-_skew(all_pushes[1]) @ axes, -_skew(all_pushes[0]) @ axes, axes)
     constants[:, [ROLL, PITCH, HEADING]] = by_tilt
-    start = _velocity_derivatives(initial)
-    by_start = at_end.of(start * (n * interval), start, np.zeros((3, 2)))
+    moving = _velocity_derivatives(start)
+    by_start = at_end.of(moving * (n * interval), moving, np.zeros((3, 2)))
     constants[:, [SPEED, COURSE]] = by_start
     constants[:, DIRECTION] = by_start[:, 1] + by_tilt[:, 2]
     if levelled:
@@ -143,16 +145,16 @@ def linear_weights(
     return Weights(samples, constants, at_rest)
 
 
-def _means(signals: Array, method: int, previous_share: float) -> _Interval:
+def _means(signals: Array, rule: str, previous_share: float) -> _Interval:
     """Means over the intervals, with coning and sculling where the integrator has them."""
-    share = 0.0 if method in (RECTANGULAR, FORWARD_EULER) else previous_share
+    share = 0.0 if rule in ("rectangular", "forward_euler") else previous_share
     force, turn = signals[:, _FORCE], signals[:, _TURN]
     n = len(signals) - 1
     both = np.broadcast_to(np.eye(6), (n, 6, 6))
     of_previous, of_own = share * both, (1.0 - share) * both
     mean_force = (1.0 - share) * force[1:] + share * force[:-1]
     mean_turn = (1.0 - share) * turn[1:] + share * turn[:-1]
-    if method == TWO_SAMPLE:
+    if rule == "two_sample":
         f0, f1, w0, w1 = force[:-1], force[1:], turn[:-1], turn[1:]
         mean_force = mean_force + (np.cross(w0, f1) + np.cross(f0, w1)) / 12.0
         mean_turn = mean_turn + np.cross(w0, w1) / 12.0
@@ -173,21 +175,21 @@ def _stacked(force_force: Array, force_turn: Array, turn_turn: Array) -> Array:
     )
 
 
-def _attitudes(turn: Array, initial: Array) -> Array:
+def _attitudes(turn: Array, start: Motion) -> Array:
     """Matrices (n + 1, 3, 3) at the samples."""
     steps = _rotations(turn)
     matrices = np.empty((len(turn) + 1, 3, 3))
-    matrices[0] = rotation_matrix(initial[5], initial[6], initial[7])
+    matrices[0] = rotation_matrix(*np.array([start.roll, start.pitch, start.heading]))
     for i in range(len(turn)):
         matrices[i + 1] = matrices[i] @ steps[i]
     return matrices
 
 
-def _acting(matrices: Array, turn: Array, method: int) -> tuple[Array, Array]:
+def _acting(matrices: Array, turn: Array, rule: str) -> tuple[Array, Array]:
     """Matrices that turn each interval's force, and the tilt (n, 3, 3) of each by its own turn."""
-    if method == RECTANGULAR:
+    if rule == "rectangular":
         return matrices[1:], matrices[1:] @ _jacobian(turn)
-    if method == FORWARD_EULER:
+    if rule == "forward_euler":
         return matrices[:-1], np.zeros_like(matrices[:-1])
     middle = matrices[:-1] @ _rotations(0.5 * turn)
     return middle, 0.5 * middle @ _jacobian(0.5 * turn)
@@ -225,23 +227,22 @@ def _later(values: Array) -> Array:
     return np.cumsum(values[::-1], axis=0)[::-1] - values
 
 
-def _velocity(initial: Array) -> Array:
-    speed, climb, course = initial[3], initial[4], initial[8]
+def _velocity(start: Motion) -> Array:
+    speed, climb, course = start.speed, start.climb, start.course
     return speed * np.array(
         [np.cos(climb) * np.cos(course), np.cos(climb) * np.sin(course), np.sin(climb)]
     )
 
 
-def _velocity_derivatives(initial: Array) -> Array:
+def _velocity_derivatives(start: Motion) -> Array:
     """Initial velocity (3, 2) per speed and per course error."""
-    speed, climb, course = initial[3], initial[4], initial[8]
+    speed, climb, course = start.speed, start.climb, start.course
     c, s, k = np.cos(course), np.sin(course), np.cos(climb)
     return np.array([[k * c, -speed * k * s], [k * s, speed * k * c], [np.sin(climb), 0.0]])
 
 
-def _euler_axes(angles: Array) -> Array:
+def _euler_axes(pitch: float, heading: float) -> Array:
     """Tilt (3, 3) in the level frame per roll, pitch and heading."""
-    _, pitch, heading = angles
     cp, sp, ch, sh = np.cos(pitch), np.sin(pitch), np.cos(heading), np.sin(heading)
     return np.array([[ch * cp, -sh, 0.0], [sh * cp, ch, 0.0], [-sp, 0.0, 1.0]])
 
@@ -271,7 +272,7 @@ class _EndErrors:
     def of(self, position: Array, velocity: Array, tilt: Array) -> Array:
         """Errors (…, 7, k) of changes (…, 3, k) of position, velocity and attitude."""
         angles = euler_angles(self.matrix)
-        axes = _euler_axes(np.array([angles.roll, angles.pitch, angles.heading]))
+        axes = _euler_axes(float(angles.pitch), float(angles.heading))
         # At a pitch of ±90° roll and heading are one; the pseudo-inverse shares it out.
         turned = np.linalg.pinv(axes) @ tilt
         vx, vy = self.velocity[:2]

@@ -16,6 +16,7 @@ from mcsim.cli.calibrate import calibrate, linearity
 from mcsim.cli.characterise import characterise
 from mcsim.cli.convert import convert
 from mcsim.cli.names import refuse_same_names
+from mcsim.cli.own import run_own
 from mcsim.cli.signals import stopped_like_ctrl_c
 from mcsim.cli.table import table
 from mcsim.cli.vibration import analyse_shipped, vibration
@@ -115,6 +116,14 @@ commands.add_command(table)
 @click.option("--seed", type=int, help="Seed of the random numbers.")
 @click.option("--realizations", type=int, help="Realizations per point.")
 @click.option("--linear", is_flag=True, help="The linear model's answer, at once.")
+@click.option(
+    "--with",
+    "own",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE.py",
+    help="Run this Python file first: it adds rules of your own (mcsim.add_rule).",
+)
 @click.option("--dask", metavar="ADDRESS", help="Run the points on this Dask scheduler's workers.")
 @click.option("--no-figures", is_flag=True, help="Tables only; `mcsim plot` draws them later.")
 @click.option("--dry-run", is_flag=True, help="Say what would be run, and stop.")
@@ -127,6 +136,7 @@ def run(
     seed: int | None,
     realizations: int | None,
     linear: bool,
+    own: tuple[Path, ...],
     dask: str | None,
     no_figures: bool,
     dry_run: bool,
@@ -137,6 +147,10 @@ def run(
     """Run scenarios; write tables, figures and provenance."""
     from mcsim.results import check
 
+    if own and dask is not None:
+        raise InputError("--with: rules of your own run on this machine alone, not with --dask")
+    for file in own:
+        run_own(file)
     read = [_read(path, overrides, seed, realizations, linear) for path in scenarios]
     refuse_same_names(read)
     for scenario in read:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
@@ -60,11 +61,25 @@ _use_full_vectors()
 # Fused multiply-add is allowed, and nothing else that changes results; floats
 # divide as in numpy.
 _ARITHMETIC: dict[str, Any] = {"fastmath": {"contract"}, "error_model": "numpy"}
+#: What scalar functions are compiled for: ``cpu`` or ``cuda``.
+TARGET = os.environ.get("MCSIM_TARGET", "cpu")
+#: Options of what is inlined into the loops that call it.
+INLINED: dict[str, Any] = {"forceinline": True, **_ARITHMETIC}
 
 
 def scalar(function: _Function) -> _Function:
-    """A function of a few numbers, inlined into every loop that calls it."""
-    compiled: _Function = njit(forceinline=True, **_ARITHMETIC)(function)
+    """A function of a few numbers, inlined into every loop that calls it.
+
+    It is compiled for the processor, or for CUDA where the environment says
+    ``MCSIM_TARGET=cuda``: the same source serves both.
+    """
+    compiled: _Function
+    if TARGET == "cuda":
+        from numba import cuda
+
+        compiled = cuda.jit(device=True)(function)
+    else:
+        compiled = njit(**INLINED)(function)
     return compiled
 
 
@@ -79,3 +94,20 @@ def kernel(function: _Function) -> _Function:
         unkept.append(function.__name__)
         compiled = njit(nogil=True, **_ARITHMETIC)(function)
     return compiled
+
+
+def apart(compiled: Any, name: str) -> Any:
+    """A copy of a kernel whose machine code is kept in a file of its own.
+
+    For systems that not every process knows: numba could not read a common file without them.
+    ``name`` tells apart what is compiled, sources included.
+    """
+    own = kernel(compiled.py_func)
+    with suppress(AttributeError):
+        kept = own._cache._cache_file
+        own._cache._cache_file = type(kept)(
+            cache_path=kept._cache_path,
+            filename_base=f"{compiled.py_func.__name__}-{name}",
+            source_stamp=_source_digest(),
+        )
+    return own

@@ -1,24 +1,9 @@
-"""Planar dead reckoning of many disturbed realizations, as lanes of a block.
+"""Planar dead reckoning: the system of Eq. (2) and (3) of the planar paper; see ``frame``.
 
-Equations (2) and (3) of the planar paper.  Realizations are integrated side by
-side, ``LANES`` at a time: every state variable is one row of a small array and
-the innermost loop runs over lanes, which LLVM vectorises.  Noise is drawn four
-samples ahead into a scratch array and used at once; nothing is kept per sample.
-
-What makes it fast, measured in ``benchmarks/``:
-
-* Scratch arrays are flat, rows at constant offsets: LLVM then knows that rows do
-  not overlap and needs no checks.
-* Four samples are integrated between loading and storing a lane's state.
-* The sampling interval is factored out: velocities are summed as ``V = sum R a``
-  and positions as ``P = sum V``, angles come as increments, and all is scaled at
-  the end.
-* Trigonometry is gone: the heading is a unit vector, turned at each sample by a
-  small angle with a Taylor polynomial (see ``turn_little`` and ``turn``).
-
-What is left are some 500 vector instructions for 16 lanes and four samples, two thirds of them
-for the normals: nearly four cycles per realization and sample where two units of 512 bits
-execute them, two where there are four.
+Trigonometry is gone: the heading is a unit vector, turned at each sample by a small angle with a
+Taylor polynomial (see ``turn_little`` and ``turn``).  What is left are some 500 vector
+instructions for 16 lanes and four samples, two thirds of them for the normals: nearly four cycles
+per realization and sample where two units of 512 bits execute them, two where there are four.
 
 The measured channels are forward acceleration, leftward acceleration and turn
 (yaw rate times sampling interval), in this order everywhere.
@@ -26,209 +11,386 @@ The measured channels are forward acceleration, leftward acceleration and turn
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
-from numba import uint64
-from numpy.typing import NDArray
 
-from mcsim.kernels.compilation import kernel
-from mcsim.kernels.lanes import (
-    GROUP,
-    LANES,
-    WHITE_NOISE,
-    draw_constants,
-    draw_group,
-    seed_lanes,
-    take_constants,
+from mcsim.kernels.compilation import scalar
+from mcsim.kernels.lanes import GROUP, LANES, WHITE_NOISE, draw_constants
+from mcsim.kernels.parts import of
+from mcsim.kernels.rotation import (
+    LARGEST_TURN,
+    LITTLE_TURN,
+    angles_from,
+    turn,
+    turn_exactly,
+    turn_little,
+    wrap,
 )
-from mcsim.kernels.measurement import ErrorTerms, make_scratch, measure, start_measuring
-from mcsim.kernels.planar_ends import (
-    add_linear,
-    add_linear_of_two,
-    finish_block,
-    record_states,
-    start_block,
-    start_linear,
-)
-from mcsim.kernels.planar_layout import (
-    ERRORS,
-    HISTORY_ROWS,
-    LINEAR_ERRORS,
-    N_CONSTANTS,
-    N_STATE,
-    NOISE_0,
-    OFFSETS,
-)
-from mcsim.kernels.planar_steps import (
-    advance,
-    advance_exactly,
-    advance_four,
-    advance_four_little,
-    advance_trapezoidal,
-    advance_trapezoidal_exactly,
-    keep_measured,
-    measure_plainly,
-)
-from mcsim.kernels.rotation import LARGEST_TURN, LITTLE_TURN
-
-__all__ = ["ERRORS", "HISTORY_ROWS", "LINEAR_ERRORS", "N_CONSTANTS", "simulate"]
-
-Array = NDArray[np.float64]
+from mcsim.kernels.system import Step, add_linear, begin, draw_once, finish, keep, record, rows_of
 
 
-@kernel
-def simulate(
-    key: np.uint64,
-    first: np.uint64,
-    count: int,
-    signals: Array,
-    white: Array,
-    deviations: Array,
-    initial: Array,
-    final: Array,
-    interval: float,
-    trapezoidal: bool,
-    previous_share: float,
-    largest_turn: float,
-    sensitivity: Array,
-    linear_constants: Array,
-    given: NDArray[np.float32],
-    errors: Array,
-    linear: Array,
-    history: Array,
-    terms: ErrorTerms,
-) -> None:
-    """Dead-reckon ``count`` realizations from number ``first`` on; their errors at the last sample.
+class Motion(NamedTuple):
+    """Where a vehicle is and moves: along, across (m), speed (m/s), heading, course (rad)."""
+
+    along: float
+    across: float
+    speed: float
+    heading: float
+    course: float
+
+
+class Deviations(NamedTuple):
+    """Standard deviations of what a realization draws once, in the order of its constants.
+
+    Offsets of the three channels, then initial speed (m/s), direction, heading, course (rad).
+    """
+
+    forward: float
+    left: float
+    turn: float
+    speed: float
+    direction: float
+    heading: float
+    course: float
+
+
+class State(NamedTuple):
+    """Heading vector, velocity and position, these divided by the interval and its square."""
+
+    c: float
+    s: float
+    vl: float
+    vd: float
+    pl: float
+    pd: float
+
+
+class Remembering(NamedTuple):
+    """The same, then the last sample's channels and half of the last interval's turn."""
+
+    c: float
+    s: float
+    vl: float
+    vd: float
+    pl: float
+    pd: float
+    forward: float
+    left: float
+    yaw: float
+    half_turn: float
+
+
+def _make_steps(turn_by):
+    """The two integrators' steps, with the given way of turning the heading."""
+
+    @scalar
+    def rectangular(system, x, read):
+        """Eq. (2), (3): new heading first, then velocity, then position."""
+        forward, left, angle = read
+        c, s = turn_by(x.c, x.s, angle)
+        vl = x.vl + c * forward
+        vl = vl - s * left
+        vd = x.vd + s * forward
+        vd = vd + c * left
+        return State(c, s, vl, vd, x.pl + vl, x.pd + vd)
+
+    @scalar
+    def trapezoidal(system, x, read):
+        """The mid-interval heading turns the interval's mean acceleration."""
+        forward, left, angle = read
+        before = system.previous_share
+        share = 1.0 - before
+        half_turn = 0.5 * (share * angle + before * x.yaw)
+        # From the middle of the last interval to the middle of this one.
+        c, s = turn_by(x.c, x.s, x.half_turn + half_turn)
+        f, g = share * forward + before * x.forward, share * left + before * x.left
+        al = c * f - s * g
+        ad = s * f + c * g
+        return Remembering(
+            c,
+            s,
+            x.vl + al,
+            x.vd + ad,
+            x.pl + (x.vl + 0.5 * al),
+            x.pd + (x.vd + 0.5 * ad),
+            forward,
+            left,
+            angle,
+            half_turn,
+        )
+
+    return Step(rectangular, State), Step(trapezoidal, Remembering)
+
+
+_RECTANGULAR_LITTLE, _ = _make_steps(turn_little)
+_RECTANGULAR, _TRAPEZOIDAL = _make_steps(turn)
+_RECTANGULAR_EXACTLY, _TRAPEZOIDAL_EXACTLY = _make_steps(turn_exactly)
+
+#: Ways of taking a sample; little turns are taken where there are no offsets.
+LITTLE, RECTANGULAR, RECTANGULAR_EXACTLY, TRAPEZOIDAL, TRAPEZOIDAL_EXACTLY = range(5)
+
+
+class Numbers(NamedTuple):
+    """The numbers of the planar system.
 
     Parameters
     ----------
-    key, first : uint64
-        Key of the random numbers and index of the first realization.
-    count : int
-    signals : float64 (n + 1, 3)
-        Undisturbed forward and left acceleration (m/s^2) and turn per interval (rad)
-        at samples 0 ... n; sample 0 is the known initial state.
-    white : float64 (3,)
-        Standard deviation of the white noise of one sample, per channel.
-    deviations : float64 (7,)
-        Standard deviations of what is drawn once per realization: miscalibration of
-        the three channels, then initial speed (m/s), direction, heading, course (rad).
-    initial : float64 (5,)
-        True state at sample 0: along, across (m), speed (m/s), heading, course (rad).
-    final : float64 (4,)
-        Truth at sample n: along, across (m), heading, course (rad; NaN if undefined).
+    way : int
+        Number of the step; see ``way_of``.
     interval : float
         Sampling interval T (s).
-    trapezoidal : bool
-        Trapezoidal rule with mid-interval heading instead of Eq. (2)-(3).
     previous_share : float
-        Weight of the previous sample in the interval's mean: 1/2 for momentary
-        samples, 0 for samples that are already means over the interval.
-    largest_turn : float
-        A bound of the turn per sample (rad); it decides how headings are turned.
-    sensitivity : float64 (n + 1, 10)
-        Linear errors per unit normal of each channel and sample: along, across and course
-        from each channel, heading from the turn.
-    linear_constants : float64 (4, 12 + m)
-        Linear errors per unit normal of each constant.
-    given : float32 (k, count) or (0, 0)
-        Normals for what is drawn once per realization, instead of drawing them, unless empty;
-        k is the least multiple of four that holds 12 + m.
-    errors : float64 (5, count), written
-        along, across, position (m), heading, course (rad).
-    linear : float64 (4, count) or (4, 0), written
-        Linear errors of the same realizations, unless empty.
-    history : float64 (HISTORY_ROWS, n + 1, count) or (0, 0, 0), written
-        Reconstructed states at every sample, unless empty.
-    terms : ErrorTerms
-        Everything beyond white noise and offsets, for the three channels; m are its mixing
-        coefficients.
+        Weight of the previous sample in the interval's mean, for the trapezoidal rule: 1/2 for
+        momentary samples, 0 for samples that are already means over the interval.
+    draws : bool
+        Whether anything scales what a realization draws once.
+    deviations : Deviations
+    start, end : Motion
+        Truth at sample 0 and at sample n; its course may be NaN there if undefined.
     """
-    n = signals.shape[0] - 1
-    n_constants = (N_CONSTANTS + len(terms.mix_deviation) + 3) // 4 * 4
-    plain = terms.innovation.shape[0] == 0
-    record = history.shape[1] > 0
-    with_linear = linear.shape[1] > 0
-    with_given = given.shape[1] > 0
-    little = largest_turn <= LITTLE_TURN
+
+    way: int
+    interval: float
+    previous_share: float
+    draws: bool
+    deviations: Deviations
+    start: Motion
+    end: Motion
+
+
+@scalar
+def _initial(system, constants, j):
+    """The motion that a realization believes to start with."""
+    start, deviations = system.start, system.deviations
+    direction = deviations.direction * constants[4 * LANES + j]
+    return Motion(
+        start.along,
+        start.across,
+        start.speed + deviations.speed * constants[3 * LANES + j],
+        start.heading + direction + deviations.heading * constants[5 * LANES + j],
+        start.course + direction + deviations.course * constants[6 * LANES + j],
+    )
+
+
+@scalar
+def _errors(system, motion):
+    """Along, across, position, heading, course."""
+    end = system.end
+    along, across = motion.along - end.along, motion.across - end.across
+    return (
+        along,
+        across,
+        math.sqrt(along * along + across * across),
+        wrap(motion.heading - end.heading),
+        wrap(motion.course - end.course),
+    )
+
+
+@scalar
+def _recorded(system, motion):
+    """Along, across, velocity along and across, heading."""
+    c, s = math.cos(motion.course), math.sin(motion.course)
+    return motion.along, motion.across, motion.speed * c, motion.speed * s, motion.heading
+
+
+class Planar(Numbers):
+    """The planar system, as the frame knows it."""
+
+    __slots__ = ()
+
+    STEPS = (
+        _RECTANGULAR,
+        _RECTANGULAR,
+        _RECTANGULAR_EXACTLY,
+        _TRAPEZOIDAL,
+        _TRAPEZOIDAL_EXACTLY,
+    )
+    FOURS = {  # noqa: RUF012 - of the class, not of its instances
+        LITTLE: _RECTANGULAR_LITTLE._replace(offsets=False),
+        RECTANGULAR: _RECTANGULAR,
+        TRAPEZOIDAL: _TRAPEZOIDAL,
+    }
+    STATE = len(Remembering._fields)
+    CHANNELS = 3
+    STREAMS = (WHITE_NOISE,)
+    #: Offsets of the channels, initial speed, direction, heading and course, a spare one, then
+    #: the noise of sample 0, which the trapezoidal rule uses and which coloured noise starts
+    #: from, and a spare one.
+    CONSTANTS = 12
+    FIXED, FIRST = (0,), (8,)
+    #: Along, across, position, heading, course.
+    ERRORS = 5
+    #: Along, across, course, heading.
+    LINEAR = (0, 1, 4, 3)
+    #: Along, across, velocity along and across, heading.
+    HISTORY = 5
+    #: A row for angles at the start and the end.
+    SPARE = 1
+    #: For algorithms of a user's own: see ``custom``.
+    INITIAL, ERRORS_OF, RECORDED = _initial, _errors, _recorded
+
+
+def way_of(trapezoidal: bool, largest_turn: float, offsets: bool) -> int:
+    """Which step to take; ``largest_turn`` (rad) bounds the turn per sample."""
     exact = largest_turn > LARGEST_TURN
-    for channel in range(3):
-        little = little and deviations[channel] == 0.0
-    # What nothing scales need not be drawn; the trapezoidal rule uses sample 0's noise.
-    with_constants = trapezoidal or not plain
-    for k in range(deviations.shape[0]):
-        with_constants = with_constants or deviations[k] != 0.0
-    by_fours = plain and not (trapezoidal or exact or record)
-    random_state = np.empty(4 * LANES, np.uint32)
-    normals = np.empty(3 * GROUP * LANES, np.float32)
-    constants = np.zeros(n_constants * LANES, np.float32)
-    scratch = make_scratch(terms)
-    measured = np.empty(3 * LANES, np.float64)
-    state = np.empty(N_STATE, np.float64)
-    for block in range((count + LANES - 1) // LANES):
-        start = block * LANES
-        filled = min(LANES, count - start)
-        block_first = first + uint64(start)
-        if with_given:
-            take_constants(given, start, filled, n_constants, constants)
-        elif with_constants:
-            draw_constants(key, block_first, n_constants, constants)
-        start_block(constants, deviations, initial, interval, state)
-        offsets = state[OFFSETS : OFFSETS + 3 * LANES]
-        if with_linear:
-            start_linear(constants, linear_constants, state)
-        seed_lanes(key, block_first, WHITE_NOISE, random_state)
-        if not plain:
-            start_measuring(key, block_first, terms, N_CONSTANTS, constants, scratch)
-        for i in range(-3, n + 1, GROUP):
-            # Sample 0 comes alone, with normals of its own among the constants.
-            at_0 = i < 0
-            size = 1 if at_0 else min(GROUP, n + 1 - i)
-            if not at_0:
-                draw_group(random_state, normals)
-            if with_linear and not at_0 and size == GROUP:
-                add_linear_of_two(i, 0, normals, sensitivity, state)
-                add_linear_of_two(i + 2, 6 * LANES, normals, sensitivity, state)
-            elif with_linear and not at_0:
-                for k in range(size):
-                    add_linear(i + k, k, normals, sensitivity, state)
-            if by_fours and at_0:
-                continue
-            if by_fours and size == GROUP:
-                if little:
-                    advance_four_little(i, normals, signals, white, state)
-                else:
-                    advance_four(i, normals, signals, white, state)
-                continue
-            for k in range(size):
-                sample = 0 if at_0 else i + k
-                row = NOISE_0 if at_0 else 3 * k
-                source = constants if at_0 else normals
-                if plain:
-                    measure_plainly(sample, row, source, signals, white, state, measured)
-                else:
-                    measure(
-                        sample,
-                        3,
-                        row,
-                        source,
-                        row,
-                        source,
-                        signals,
-                        offsets,
-                        terms,
-                        scratch,
-                        measured,
-                    )
-                if at_0:
-                    keep_measured(measured, state)
-                elif trapezoidal and exact:
-                    advance_trapezoidal_exactly(measured, previous_share, state)
-                elif trapezoidal:
-                    advance_trapezoidal(measured, previous_share, state)
-                elif exact:
-                    advance_exactly(measured, state)
-                else:
-                    advance(measured, state)
-                if record:
-                    record_states(state, sample, start, filled, interval, history)
-        finish_block(state, start, filled, interval, final, errors, linear)
+    if trapezoidal:
+        return TRAPEZOIDAL_EXACTLY if exact else TRAPEZOIDAL
+    if exact:
+        return RECTANGULAR_EXACTLY
+    return LITTLE if largest_turn <= LITTLE_TURN and not offsets else RECTANGULAR
+
+
+_, _LINEAR, _ANGLE, _ = rows_of(Planar)
+_COS, _SIN, _VL, _VD, _PL, _PD, _FORWARD, _, _, _HALF_TURN = (
+    LANES * row for row in range(len(Remembering._fields))
+)
+
+
+@of(draw_once, Planar)
+def _draw_once(system, key, first, rows, constants):
+    draw_constants(key, first, rows, constants)
+
+
+@scalar
+def _turned(direction, angle_row, rows, cos_row, sin_row):
+    """Unit vectors at ``direction`` plus each lane's angle (radians, in row ``angle_row``)."""
+    c0 = math.cos(direction)
+    s0 = math.sin(direction)
+    for j in range(LANES):
+        rows[cos_row + j], rows[sin_row + j] = turn(c0, s0, rows[angle_row + j])
+    for j in range(LANES):
+        if abs(rows[angle_row + j]) > LARGEST_TURN:
+            c, s = turn_exactly(c0, s0, rows[angle_row + j])
+            rows[cos_row + j], rows[sin_row + j] = c, s
+
+
+@of(begin, Planar)
+def _begin(system, constants, sensors, scratch, rows):
+    deviations, start, interval = system.deviations, system.start, system.interval
+    for j in range(LANES):
+        direction = deviations.direction * constants[4 * LANES + j]
+        rows[_ANGLE + j] = direction + deviations.course * constants[6 * LANES + j]
+        rows[_HALF_TURN + j] = direction + deviations.heading * constants[5 * LANES + j]
+    _turned(start.heading, _HALF_TURN, rows, _COS, _SIN)
+    _turned(start.course, _ANGLE, rows, _VL, _VD)
+    for j in range(LANES):
+        speed = (start.speed + deviations.speed * constants[3 * LANES + j]) / interval
+        rows[_VL + j] *= speed
+        rows[_VD + j] *= speed
+        rows[_PL + j] = start.along / (interval * interval)
+        rows[_PD + j] = start.across / (interval * interval)
+        rows[_HALF_TURN + j] = 0.0
+
+
+@of(keep, Planar)
+def _keep(system, constants, measured, rows):
+    for j in range(3 * LANES):
+        rows[_FORWARD + j] = measured[j]
+
+
+@scalar
+def _add_linear_of_one(i, row, normals, sensitivity, rows):
+    """Add sample ``i``'s noise, whose normals begin at ``row``, to the linear errors."""
+    a0, a1, a2 = sensitivity[i, 0], sensitivity[i, 1], sensitivity[i, 2]
+    b0, b1, b2 = sensitivity[i, 3], sensitivity[i, 4], sensitivity[i, 5]
+    c0, c1, c2 = sensitivity[i, 6], sensitivity[i, 7], sensitivity[i, 8]
+    h2 = sensitivity[i, 9]
+    for j in range(LANES):
+        x = np.float64(normals[row + j])
+        y = np.float64(normals[row + LANES + j])
+        z = np.float64(normals[row + 2 * LANES + j])
+        rows[_LINEAR + j] += a0 * x + a1 * y + a2 * z
+        rows[_LINEAR + LANES + j] += b0 * x + b1 * y + b2 * z
+        rows[_LINEAR + 2 * LANES + j] += c0 * x + c1 * y + c2 * z
+        rows[_LINEAR + 3 * LANES + j] += h2 * z
+
+
+@scalar
+def _add_linear_of_two(i, row, normals, sensitivity, rows):
+    """The same for samples ``i`` and ``i + 1``: half of the loads and stores."""
+    a0, a1, a2 = sensitivity[i, 0], sensitivity[i, 1], sensitivity[i, 2]
+    b0, b1, b2 = sensitivity[i, 3], sensitivity[i, 4], sensitivity[i, 5]
+    c0, c1, c2 = sensitivity[i, 6], sensitivity[i, 7], sensitivity[i, 8]
+    g2 = sensitivity[i, 9]
+    i += 1
+    d0, d1, d2 = sensitivity[i, 0], sensitivity[i, 1], sensitivity[i, 2]
+    e0, e1, e2 = sensitivity[i, 3], sensitivity[i, 4], sensitivity[i, 5]
+    f0, f1, f2 = sensitivity[i, 6], sensitivity[i, 7], sensitivity[i, 8]
+    h2 = sensitivity[i, 9]
+    for j in range(LANES):
+        a = rows[_LINEAR + j]
+        b = rows[_LINEAR + LANES + j]
+        c = rows[_LINEAR + 2 * LANES + j]
+        h = rows[_LINEAR + 3 * LANES + j]
+        x = np.float64(normals[row + j])
+        y = np.float64(normals[row + LANES + j])
+        z = np.float64(normals[row + 2 * LANES + j])
+        a = a + a0 * x
+        b = b + b0 * x
+        c = c + c0 * x
+        a = a + a1 * y
+        b = b + b1 * y
+        c = c + c1 * y
+        a = a + a2 * z
+        b = b + b2 * z
+        c = c + c2 * z
+        h = h + g2 * z
+        x = np.float64(normals[row + 3 * LANES + j])
+        y = np.float64(normals[row + 4 * LANES + j])
+        z = np.float64(normals[row + 5 * LANES + j])
+        a = a + d0 * x
+        b = b + e0 * x
+        c = c + f0 * x
+        a = a + d1 * y
+        b = b + e1 * y
+        c = c + f1 * y
+        a = a + d2 * z
+        b = b + e2 * z
+        c = c + f2 * z
+        h = h + h2 * z
+        rows[_LINEAR + j] = a
+        rows[_LINEAR + LANES + j] = b
+        rows[_LINEAR + 2 * LANES + j] = c
+        rows[_LINEAR + 3 * LANES + j] = h
+
+
+@of(add_linear, Planar)
+def _add_linear(system, i, size, normals, weights, rows):
+    if size == GROUP:
+        _add_linear_of_two(i, 0, normals, weights, rows)
+        _add_linear_of_two(i + 2, 6 * LANES, normals, weights, rows)
+    else:
+        for k in range(size):
+            _add_linear_of_one(i + k, 3 * k * LANES, normals, weights, rows)
+
+
+@of(record, Planar)
+def _record(system, rows, sample, start, filled, history):
+    """The heading at a sample is half a turn past its mid-interval value."""
+    interval = system.interval
+    for j in range(filled):
+        history[0, sample, start + j] = interval * interval * rows[_PL + j]
+        history[1, sample, start + j] = interval * interval * rows[_PD + j]
+        history[2, sample, start + j] = interval * rows[_VL + j]
+        history[3, sample, start + j] = interval * rows[_VD + j]
+        heading = math.atan2(rows[_SIN + j], rows[_COS + j]) + rows[_HALF_TURN + j]
+        history[4, sample, start + j] = heading
+
+
+@of(finish, Planar)
+def _finish(system, rows, start, filled, errors):
+    end, t2 = system.end, system.interval * system.interval
+    for j in range(filled):
+        along = t2 * rows[_PL + j] - end.along
+        across = t2 * rows[_PD + j] - end.across
+        errors[0, start + j] = along
+        errors[1, start + j] = across
+        errors[2, start + j] = math.sqrt(along * along + across * across)
+    angles_from(end.heading, _COS, _SIN, rows, _ANGLE)
+    for j in range(filled):
+        errors[3, start + j] = wrap(rows[_ANGLE + j] + rows[_HALF_TURN + j])
+    angles_from(end.course, _VL, _VD, rows, _ANGLE)
+    for j in range(filled):
+        errors[4, start + j] = rows[_ANGLE + j]

@@ -8,6 +8,7 @@ from mcsim.scenario.block import Block
 from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.error_names import ErrorName
 from mcsim.scenario.fields import Angle, NotNegative, Speed
+from mcsim.scenario.rules import PlanarRule
 from mcsim.scenario.sensors import Sensors
 from mcsim.scenario.tracks import Recorded, Trajectory
 
@@ -15,8 +16,8 @@ from mcsim.scenario.tracks import Recorded, Trajectory
 class Reconstruction(Block):
     """How the sensor data are integrated."""
 
-    integration: Literal["rectangular", "trapezoidal"] = "rectangular"
-    """`rectangular` is the paper's way; `trapezoidal` is of second order."""
+    integration: PlanarRule = "rectangular"
+    """`rectangular` is the paper's way; `trapezoidal` is of second order; or a rule of your own."""
 
 
 class Initial(Block):

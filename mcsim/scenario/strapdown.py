@@ -22,6 +22,7 @@ from mcsim.scenario.fields import (
     reject,
 )
 from mcsim.scenario.planar import Initial
+from mcsim.scenario.rules import SHIPPED, StrapdownRule
 from mcsim.scenario.sensors import Sensors
 from mcsim.scenario.tracks import Recorded, Trajectory
 from mcsim.units import STANDARD_GRAVITY
@@ -69,12 +70,11 @@ class StrapdownReconstruction(Block):
 
     algorithm: Literal["strapdown", "planar"] = "strapdown"
     """`strapdown` uses all six channels; `planar` takes three and the vehicle for level."""
-    integration: Literal["rectangular", "forward_euler", "trapezoidal", "two_sample"] = (
-        "rectangular"
-    )
+    integration: StrapdownRule = "rectangular"
     """`rectangular`: attitude, velocity, position, each from the new one before, as in the
     planar case; `forward_euler`: the application note's recursion; `trapezoidal`: second
-    order; `two_sample`: second order with coning and sculling corrections."""
+    order; `two_sample`: second order with coning and sculling corrections; or a rule of your
+    own."""
 
     @model_validator(mode="after")
     def _planar_integrates_its_own_way(self) -> StrapdownReconstruction:
@@ -141,6 +141,15 @@ class StrapdownScenario(CaseScenario):
     sensors: Sensors
     reconstruction: StrapdownReconstruction = StrapdownReconstruction()
     initial: StrapdownInitial = StrapdownInitial()
+
+    @model_validator(mode="after")
+    def _own_rules_level_themselves(self) -> StrapdownScenario:
+        if self.initial.levelling and self.reconstruction.integration not in SHIPPED["strapdown"]:
+            raise reject(
+                "levelling before the drive is for the shipped rules; leave `initial.levelling` "
+                "out, or let the rule level itself while it runs"
+            )
+        return self
 
     @model_validator(mode="after")
     def _one_attitude(self) -> StrapdownScenario:

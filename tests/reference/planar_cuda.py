@@ -1,7 +1,8 @@
 """The kernels' scalar functions, compiled for CUDA: one realization per thread.
 
-Run as a program with ``NUMBA_ENABLE_CUDASIM=1`` it needs no GPU; it reads the arguments of
-a run from one ``.npz`` file and writes words, normals and end states to another.
+Run as a program with ``MCSIM_TARGET=cuda``; with ``NUMBA_ENABLE_CUDASIM=1`` it needs no GPU.  It
+reads the arguments of a run from one ``.npz`` file and writes words, normals and end states to
+another.
 """
 
 from __future__ import annotations
@@ -11,13 +12,11 @@ import sys
 import numpy as np
 from numba import cuda, uint64
 
-from mcsim.kernels import compilation
+from mcsim.kernels import planar, random
+from mcsim.kernels.lanes import WHITE_NOISE
 
-# The same sources, with another compiler.
-compilation.scalar = cuda.jit(device=True)
-
-from mcsim.kernels import planar_steps, random  # noqa: E402
-from mcsim.kernels.lanes import WHITE_NOISE  # noqa: E402
+State = planar.State
+step = planar.Planar.STEPS[planar.RECTANGULAR].function
 
 
 @cuda.jit
@@ -25,7 +24,7 @@ def _simulate(key, signals, white, start, words, normals, ends):
     r = cuda.grid(1)
     if r < ends.shape[1]:
         s0, s1, s2, s3 = random.stream_words(key[0], uint64(r), WHITE_NOISE, 0)
-        c, s, vl, vd, pl, pd = start[0], start[1], start[2], start[3], start[4], start[5]
+        moving = State(start[0], start[1], start[2], start[3], start[4], start[5])
         for i in range(0, len(signals) - 1, 2):
             for pair in range(3):
                 a, s0, s1, s2, s3 = random.xoshiro_next(s0, s1, s2, s3)
@@ -37,15 +36,15 @@ def _simulate(key, signals, white, start, words, normals, ends):
                 normals[3 * i + 2 * pair + 1, r] = y
             for k in range(2):
                 row = 3 * (i + k)
-                c, s, vl, vd, pl, pd = planar_steps.rectangular_step(
-                    c, s, vl, vd, pl, pd,
+                read = (
                     signals[i + k + 1, 0] + white[0] * normals[row, r],
                     signals[i + k + 1, 1] + white[1] * normals[row + 1, r],
                     signals[i + k + 1, 2] + white[2] * normals[row + 2, r],
-                )  # fmt: skip
-        ends[0, r], ends[1, r] = c, s
-        ends[2, r], ends[3, r] = vl, vd
-        ends[4, r], ends[5, r] = pl, pd
+                )
+                moving = step(0, moving, read)  # the rectangular rule needs no number of the system
+        ends[0, r], ends[1, r] = moving.c, moving.s
+        ends[2, r], ends[3, r] = moving.vl, moving.vd
+        ends[4, r], ends[5, r] = moving.pl, moving.pd
 
 
 def main(given: str, result: str) -> None:

@@ -1,0 +1,180 @@
+"""The linear model of any system: one backward sweep over its own steps.
+
+The end errors of a realization are to first order a weighted sum of everything that disturbs it.
+With the step ``x[i+1] = f(x[i], z[i+1])`` and its Jacobians ``A = df/dx``, ``B = df/dz`` the
+weights of a sample are ``W[i+1] = l B``, and ``l`` becomes ``l A`` one sample before
+(Bryson & Ho, *Applied Optimal Control*, sect. 2.2).
+
+Jacobians are central differences of the fourth order over the frame's own parts: every lane of a
+block holds one varied state.  They err by about 1e-8 of their value.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.kernels.compilation import kernel, scalar
+from mcsim.kernels.lanes import LANES
+from mcsim.kernels.measurement import make_scratch
+from mcsim.kernels.system import (
+    Sensors,
+    advance,
+    begin,
+    finish,
+    keep,
+    linear_rows,
+    numbers,
+    start_offsets,
+)
+
+Array = NDArray[np.float64]
+
+#: Step of the differences, relative to what is varied where that is larger than one.
+_STEP = 0.01
+#: Lanes that each varied number takes: at -2, -1, 1 and 2 steps.
+_POINTS = 4
+#: Numbers that fit into a block.
+MOST_VARIED = LANES // _POINTS
+
+
+@scalar
+def _vary(row, number, value):
+    """Put ``value`` into a row, varied in the lanes of number ``number``; the step."""
+    step = _STEP * max(1.0, abs(value))
+    for j in range(LANES):
+        row[j] = value
+    first = number * _POINTS
+    row[first] = value - 2.0 * step
+    row[first + 1] = value - step
+    row[first + 2] = value + step
+    row[first + 3] = value + 2.0 * step
+    return step
+
+
+@scalar
+def _slope(row, number, step):
+    """Derivative of a row with respect to number ``number``."""
+    first = number * _POINTS
+    far = row[first + 3] - row[first]
+    return (8.0 * (row[first + 2] - row[first + 1]) - far) / (12.0 * step)
+
+
+@scalar
+def _row(array, number):
+    return array[number * LANES : (number + 1) * LANES]
+
+
+@kernel
+def adjoint(
+    system: Any, sensors: Sensors, samples: Array, constants_weights: Array, states: Array
+) -> None:
+    """Linear errors per unit of every disturbance.
+
+    Parameters
+    ----------
+    system : NamedTuple
+        The numbers of a system, its deviations all one.
+    sensors : Sensors
+        Their signals; errors do not matter.
+    samples : float64 (e, n + 1, c), written
+        Weights of the errors of each sample's channels.
+    constants_weights : float64 (e, k), written
+        Weights of what a realization draws once, apart from what offsets do by the samples.
+    states : float64 (n + 1, s), written
+        The undisturbed states.
+    """
+    n_channels, n_constants, n_linear, at_offsets, _, _, end = numbers(system)
+    signals = sensors.signals
+    n = signals.shape[0] - 1
+    size = at_offsets // LANES
+    rows = np.zeros(end, np.float64)
+    constants = np.zeros(n_constants * LANES, np.float32)
+    measured = np.empty(n_channels * LANES, np.float64)
+    scratch = make_scratch(sensors.terms)
+    steps = np.empty(size + n_channels)
+    jacobian = np.empty((size, size + n_channels))
+    sensitivity = np.empty((n_linear, size))
+
+    _read(signals, 0, measured)
+    _start(system, constants, sensors, scratch, measured, rows)
+    _keep_state(rows, states, 0)
+    for i in range(1, n + 1):
+        _read(signals, i, measured)
+        advance(system, measured, rows)
+        _keep_state(rows, states, i)
+    _end(system, states[n], rows, steps, sensitivity)
+    for i in range(n, 0, -1):
+        for row in range(size):
+            steps[row] = _vary(_row(rows, row), row, states[i - 1, row])
+        for channel in range(n_channels):
+            number = size + channel
+            steps[number] = _vary(_row(measured, channel), number, signals[i, channel])
+        advance(system, measured, rows)
+        for row in range(size):
+            for number in range(size + n_channels):
+                jacobian[row, number] = _slope(_row(rows, row), number, steps[number])
+        moved = sensitivity @ jacobian
+        samples[:, i] = moved[:, size:]
+        sensitivity[:] = moved[:, :size]
+    # Sample 0, then what is drawn once, one block of normals after the other.
+    for channel in range(n_channels):
+        steps[channel] = _vary(_row(measured, channel), channel, signals[0, channel])
+    _start(system, constants, sensors, scratch, measured, rows)
+    for channel in range(n_channels):
+        samples[:, 0, channel] = sensitivity @ _slopes(rows, size, channel, steps[channel])
+    _read(signals, 0, measured)
+    for first in range(0, n_constants, MOST_VARIED):
+        last = min(first + MOST_VARIED, n_constants)
+        constants[:] = 0.0
+        for number in range(first, last):
+            _vary(_row(constants, number), number - first, 0.0)
+        _start(system, constants, sensors, scratch, measured, rows)
+        for number in range(first, last):
+            # What float32 makes of the step.
+            step = 0.5 * np.float64(_row(constants, number)[(number - first) * _POINTS + 3])
+            slopes = _slopes(rows, size, number - first, step)
+            constants_weights[:, number] = sensitivity @ slopes
+
+
+@scalar
+def _slopes(rows, size, number, step):
+    found = np.empty(size)
+    for row in range(size):
+        found[row] = _slope(_row(rows, row), number, step)
+    return found
+
+
+@scalar
+def _read(signals, i, measured):
+    for channel in range(len(measured) // LANES):
+        _row(measured, channel)[:] = signals[i, channel]
+
+
+@scalar
+def _start(system, constants, sensors, scratch, measured, rows):
+    start_offsets(system, constants, rows)
+    begin(system, constants, sensors, scratch, rows)
+    keep(system, constants, measured, rows)
+
+
+@scalar
+def _keep_state(rows, states, i):
+    for row in range(states.shape[1]):
+        states[i, row] = rows[row * LANES]
+
+
+@scalar
+def _end(system, state, rows, steps, sensitivity):
+    """Derivatives of the linear errors with respect to the last state."""
+    errors = np.empty((len(linear_rows(system)) + 2, LANES))
+    for row in range(len(state)):
+        steps[row] = _vary(_row(rows, row), row, state[row])
+    finish(system, rows, 0, LANES, errors)
+    wanted = linear_rows(system)
+    for e in range(len(wanted)):
+        for row in range(len(state)):
+            slope = _slope(errors[wanted[e]], row, steps[row])
+            sensitivity[e, row] = slope if np.isfinite(slope) else 0.0

@@ -1,0 +1,129 @@
+"""Algorithms of a user's own on the channels, the truth and the errors of a shipped system.
+
+An algorithm is three scalar functions over a state of its own, a named tuple of floats:
+
+* ``start(system, motion, read) -> State``: the initial motion as it is believed, and what the
+  channels measure at sample 0;
+* ``step(system, state, read) -> State``: one sample on; ``read`` are the channels in the system's
+  order, forces in m/s^2 and turns in rad per interval, ``system.interval`` is the interval in s;
+* ``end(system, state) -> Motion``: the motion that the state stands for.
+
+They run in the frame like the shipped systems, four samples at a time.  Their linear model is
+``adjoint``'s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mcsim.kernels.adjoint import MOST_VARIED, adjoint
+from mcsim.kernels.compilation import apart, scalar
+from mcsim.kernels.frame import simulate
+from mcsim.kernels.lanes import GROUP, LANES
+from mcsim.kernels.parts import loader, made, of, store, take
+from mcsim.kernels.system import Step, add_linear, begin, finish, keep, record, remembers, rows_of
+
+__all__ = ["MOST_VARIED", "Custom", "system_of"]
+
+
+class Custom:
+    """Marks the systems made here."""
+
+    __slots__ = ()
+
+
+def system_of(
+    base: type[Any],
+    name: str,
+    state: type[Any],
+    start: Callable[..., Any],
+    step: Callable[..., Any],
+    end: Callable[..., Any],
+) -> type[Any]:
+    """A system like ``base``, moved by an algorithm of three scalar functions."""
+    taken = Step(scalar(step), state)
+    members = {
+        "STEPS": (taken,),
+        "FOURS": {0: taken},
+        "STATE": len(state._fields),
+        "START": staticmethod(scalar(start)),
+        "END": staticmethod(scalar(end)),
+        "SIMULATE": staticmethod(apart(simulate, name)),
+        "ADJOINT": staticmethod(apart(adjoint, name)),
+        "__slots__": (),
+        "__module__": __name__,
+    }
+    made_here = type(name, (Custom, base), members)
+    # Where numba finds it again when it reads what it has kept.
+    globals()[name] = made_here
+    return made_here
+
+
+@of(begin, Custom)
+def _begin(system, constants, sensors, scratch, rows):
+    """Nothing: the state begins with what is measured at sample 0."""
+
+
+@made(remembers, Custom)
+def _make_remembers(system):
+    return lambda system: True
+
+
+@made(keep, Custom)
+def _make_keep(system):
+    initial, start, count = system.INITIAL, system.START, system.CHANNELS
+
+    def keep(system, constants, measured, rows):
+        for j in range(LANES):
+            motion = initial(system, constants, j)
+            store(rows, j, start(system, motion, take(measured, j, count)))
+
+    return keep
+
+
+@made(record, Custom)
+def _make_record(system):
+    load, end, recorded = loader(system.STEPS[0].state), system.END, system.RECORDED
+
+    def record(system, rows, sample, start, filled, history):
+        for j in range(filled):
+            values = recorded(system, end(system, load(rows, j)))
+            for row in range(len(values)):
+                history[row, sample, start + j] = values[row]
+
+    return record
+
+
+@made(finish, Custom)
+def _make_finish(system):
+    load, end, of_motion = loader(system.STEPS[0].state), system.END, system.ERRORS_OF
+
+    def finish(system, rows, start, filled, errors):
+        for j in range(filled):
+            values = of_motion(system, end(system, load(rows, j)))
+            for row in range(len(values)):
+                errors[row, start + j] = values[row]
+
+    return finish
+
+
+@made(add_linear, Custom)
+def _make_add_linear(system):
+    """Every channel may act on every error."""
+    channels, count, linear = system.CHANNELS, len(system.LINEAR), rows_of(system)[1]
+
+    def add(system, i, size, normals, weights, rows):
+        for k in range(size):
+            for error in range(count):
+                own = rows[linear + error * LANES : linear + (error + 1) * LANES]
+                for channel in range(channels):
+                    at = ((channel // 3 * GROUP + k) * 3 + channel % 3) * LANES
+                    weight, drawn = (
+                        weights[i + k, error * channels + channel],
+                        normals[at : at + LANES],
+                    )
+                    for j in range(LANES):
+                        own[j] += weight * drawn[j]
+
+    return add
