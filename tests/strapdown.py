@@ -12,7 +12,7 @@ import numpy as np
 from mcsim import Scenario
 from mcsim.cases import problem_of
 from mcsim.kernels import strapdown as kernel
-from mcsim.sensors.measurement import no_terms
+from mcsim.sensors.layout import no_terms
 from mcsim.units import STANDARD_GRAVITY
 from tests.conftest import ALL_ERRORS, BASE
 

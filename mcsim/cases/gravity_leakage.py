@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.kernels import strapdown as kernel
-from mcsim.sensors.measurement import no_terms
+from mcsim.sensors.layout import no_terms
 from mcsim.units import KINDS, STANDARD_GRAVITY, parse
 
 Array = NDArray[np.float64]
