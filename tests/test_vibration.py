@@ -1,6 +1,7 @@
 """Vibration: excitations, the chain of filters, spectra and figures, against closed forms."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -524,3 +525,30 @@ def test_nothing_is_reckoned_from_an_ac_coupled_sensor(file, key):
     with pytest.raises(InputError, match="MTN-1100 is AC-coupled: it passes no constant"):
         Scenario.from_yaml(scenarios / file, {key: "MTN-1100"})
     Scenario.from_yaml(scenarios / file, {key: "MPU-9250"})
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "accelerometer: MTN-1100\n",
+        "accelerometer: {model: mtn-1100, range: 50 m/s²}\n",
+        'name: "MTN-1100"\naccelerometer: {noise_density: 0.008 m/s²/√Hz}\n',  # as converted
+    ],
+)
+def test_a_sensor_that_a_file_names_keeps_its_kind(tmp_path, text):
+    """AC-coupled and with one axis, whichever way it is named; another name changes nothing."""
+    scenarios = Path(__file__).parent.parent / "scenarios"
+    file, vibration = tmp_path / "sensor.yaml", tmp_path / "vibration.yaml"
+    vibration.write_text(ENGINE + "along: x\n", encoding="utf-8")
+
+    def use(text):
+        file.write_text(text, encoding="utf-8")
+        log = simulate(read_vibration(vibration, str(file)), "log")
+        for name, key in (("paper/figure1", "sensors"), ("velocity/a1", "sensor")):
+            Scenario.from_yaml(scenarios / f"{name}.yaml", {f"{key}.accelerometer": str(file)})
+        return log
+
+    assert use(re.sub("(?i)mtn-1100", "MPU-9250", text)).channels == AXES
+    with pytest.raises(InputError, match="MTN-1100 is AC-coupled: it passes no constant"):
+        use(text)
+    assert simulate(read_vibration(vibration, str(file)), "log").channels == ("x",)

@@ -12,7 +12,7 @@ from mcsim.kernels.adjoint import adjoint
 from mcsim.kernels.frame import simulate
 from mcsim.kernels.system import Results, Sensors
 from mcsim.kernels.system import Weights as LinearWeights
-from mcsim.sensors.measurement import no_terms
+from mcsim.sensors.layout import no_terms
 
 __all__ = ["LinearWeights", "Sensors", "adjoint_weights", "run"]
 

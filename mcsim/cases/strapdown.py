@@ -38,8 +38,9 @@ from mcsim.sensors.error_model import (
     channel_errors,
     per_interval,
 )
+from mcsim.sensors.layout import no_terms
 from mcsim.sensors.low_pass import behind_low_pass
-from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights, no_terms
+from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights
 from mcsim.sensors.sampling import Signals, power_beyond, sample
 from mcsim.trajectory.spatial import SpatialDrive, SpatialMotion, spatial_drive
 from mcsim.units import STANDARD_GRAVITY

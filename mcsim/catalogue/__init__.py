@@ -105,6 +105,16 @@ def _records(block: Mapping[str, Any], sources: Mapping[str, str]) -> tuple[Reco
     )
 
 
+def known(name: str) -> Sensor | None:
+    """The sensor of that name (case does not matter), if there is one."""
+    return _by_folded_name().get(name.casefold())
+
+
+@cache
+def _by_folded_name() -> dict[str, Sensor]:
+    return {name.casefold(): sensor for name, sensor in sensors().items()}
+
+
 def find(name: str) -> Sensor:
     """The sensor of that name (case does not matter).
 
@@ -113,10 +123,10 @@ def find(name: str) -> Sensor:
     InputError
         No such sensor; the message names the closest one.
     """
-    by_folded = {known.casefold(): sensor for known, sensor in sensors().items()}
-    folded = name.casefold()
-    if folded in by_folded:
-        return by_folded[folded]
+    sensor = known(name)
+    if sensor is not None:
+        return sensor
+    by_folded, folded = _by_folded_name(), name.casefold()
     close = difflib.get_close_matches(folded, by_folded, n=1)
     hint = f'; did you mean "{by_folded[close[0]].name}"?' if close else ""
     raise InputError(f'no sensor "{name}" in the catalogue{hint} (it holds {", ".join(sensors())})')

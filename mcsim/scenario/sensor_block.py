@@ -14,6 +14,7 @@ from pydantic import (
     AfterValidator,
     BeforeValidator,
     GetJsonSchemaHandler,
+    PrivateAttr,
     ValidationInfo,
     model_validator,
 )
@@ -164,6 +165,16 @@ class AccelerometerErrors(_Element):
     range: AccelerationRange | None = None
     """Saturation, plus and minus."""
     spikes: AccelerationSpikes | None = None
+    _built_in: catalogue.Sensor | None = PrivateAttr(None)
+
+    @property
+    def built_in(self) -> catalogue.Sensor | None:
+        """The built-in sensor that the block is made from: it has traits beside its errors."""
+        return self._built_in
+
+    def made_from(self, sensor: catalogue.Sensor | None) -> None:
+        """Say which built-in sensor it is; a sensor's name and its file are read outside."""
+        self._built_in = sensor
 
     @model_validator(mode="after")
     def _noise_given_once(self) -> AccelerometerErrors:

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, model_validator
 
+from mcsim import catalogue
 from mcsim.catalogue import ELEMENTS, ORIGINS
 from mcsim.errors import InputError
 from mcsim.scenario.block import Block
@@ -165,6 +166,24 @@ def file_element(path: Path, element: str) -> Mapping[str, Any]:
         raise InputError(f"{path}: has no {element}")
     quantities: Mapping[str, Any] = tree[element]
     return quantities
+
+
+def built_in_of_file(path: Path, element: str) -> catalogue.Sensor | None:
+    """The built-in sensor that an element of a sensor file is made from, if it says so.
+
+    It is the element's name or `model`, or the `name` of a file that `mcsim convert` wrote.
+    """
+    named = _written(read_text(path, SENSOR), str(path), element)
+    return next((s for s in map(catalogue.known, named) if s and element in s.elements), None)
+
+
+@lru_cache(64)
+def _written(text: str, source: str, element: str) -> tuple[str, ...]:
+    """The names that stand in an element's block and above it."""
+    tree = parse_document(text, source, SENSOR).tree
+    block = tree.get(element)
+    own = block.get("model") if isinstance(block, dict) else block
+    return tuple(name for name in (own, tree.get("name")) if isinstance(name, str))
 
 
 @lru_cache(64)  # every point of a sweep reads the file anew

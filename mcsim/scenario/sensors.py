@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
-from pydantic import AfterValidator, model_validator
+from pydantic import model_validator
 
 from mcsim.scenario.block import Block
 from mcsim.scenario.fields import Frequency, NotNegative, Positive, Time, reject
-from mcsim.scenario.named_sensor import named_element, passes_constants
+from mcsim.scenario.named_sensor import CONSTANTS, KIND, named_element
 from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors, is_file
 
 
@@ -65,9 +65,7 @@ class Sensors(Block):
     """Output rate of the sensors."""
     sampling: Literal["fir", "iir", "none", "average"] = "fir"
     """From dense truth to samples: filtered, picked, or averaged over the interval."""
-    accelerometer: Annotated[
-        Accelerometer, named_element("accelerometer"), AfterValidator(passes_constants)
-    ]
+    accelerometer: Annotated[Accelerometer, named_element("accelerometer"), KIND, CONSTANTS]
     gyroscope: Annotated[Gyroscope, named_element("gyroscope")]
     time_jitter: Annotated[Time, NotNegative, Le(1.0)] = 0.0
     """Standard deviation of the instants at which samples are really taken; to first order,

@@ -176,48 +176,9 @@ class Measurement:
     @cached_property
     def terms(self) -> ErrorTerms:
         """The error terms as the kernels take them."""
-        from mcsim.kernels.measurement import ErrorTerms
+        from mcsim.sensors.layout import laid_out
 
-        c = len(self.white)
-        if not self.innovations:
-            return no_terms(c)
-        most = max((len(i.decay) for i in self.innovations), default=0)
-        most = -(-most // 4) * 4  # the kernels take processes in fours
-        n = len(self.innovations[0].deviations) + self.first
-        innovation, gains = np.zeros((n, c)), np.zeros((n, c, most))
-        decay, start = np.zeros((c, most)), np.zeros((c, most))
-        for k, (own, mean) in enumerate(zip(self.innovations, self.means, strict=True)):
-            count = len(own.decay)
-            innovation[self.first :, k] = own.deviations
-            gains[self.first :, k, :count] = own.gains
-            decay[k, :count] = own.decay
-            start[k, :count] = mean.gains
-        errors = self.errors
-        nothing, extra = np.zeros(0), np.zeros(0)
-        averaged = len(self.ranges) > 0 and bool(errors.calibration or errors.levelling)
-        if averaged:
-            extra = np.concatenate([errors.hidden_bias, np.ones(2 * c)])
-        return ErrorTerms(
-            self.mix_to,
-            self.mix_from,
-            np.array([m.calibrated for m in errors.mixing], float),
-            np.append(self.mix_deviation, extra),
-            innovation,
-            gains,
-            decay,
-            start,
-            np.concatenate([np.zeros((self.first, c)), self.jitter])
-            if len(self.jitter)
-            else self.jitter,
-            self.spike_thresholds,
-            self.spike_amplitudes,
-            self.ranges,
-            self.resolutions,
-            errors.at_rest if averaged else nothing,
-            errors.calibration_spread if averaged else nothing,
-            np.array([mean.spread for mean in self.means]) if averaged else nothing,
-            np.array([errors.calibration, errors.levelling], float) if averaged else nothing,
-        )
+        return laid_out(self)
 
     @property
     def coefficients(self) -> int:
@@ -344,33 +305,6 @@ class Measurement:
         second = np.sum(probability * heights**2, axis=(1, 2))
         fourth = np.sum(probability * heights**4, axis=(1, 2))
         return np.divide(second**2, fourth, out=np.zeros(len(weights)), where=fourth > 0.0)
-
-
-def no_terms(channels: int) -> ErrorTerms:
-    """The terms where white noise and offsets are all there is."""
-    from mcsim.kernels.measurement import ErrorTerms
-
-    empty, whole = np.zeros(0), np.zeros(0, np.int64)
-    nothing = np.zeros((0, channels))
-    return ErrorTerms(
-        whole,
-        whole,
-        empty,
-        empty,
-        nothing,
-        np.zeros((0, channels, 0)),
-        np.zeros((channels, 0)),
-        np.zeros((channels, 0)),
-        nothing,
-        np.zeros(0, np.uint32),
-        empty,
-        empty,
-        empty,
-        empty,
-        empty,
-        empty,
-        empty,
-    )
 
 
 def _levelled(errors: ChannelErrors, k: int) -> tuple[Processes, MeanAtRest]:

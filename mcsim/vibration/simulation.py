@@ -8,7 +8,6 @@ from collections.abc import Callable
 import numpy as np
 
 from mcsim import catalogue
-from mcsim.scenario.sensor_block import is_file
 from mcsim.sensors.signal_errors import Element, SignalErrors, signal_errors
 from mcsim.units import STANDARD_GRAVITY
 from mcsim.vibration.excitation import acceleration
@@ -37,7 +36,7 @@ def simulate(
     progress : callable
         Is told the share done, 0 to 1.
     """
-    built_in = _built_in(scenario)
+    built_in = scenario.sensor.built_in
     alone = built_in is not None and built_in.axes("accelerometer") == 1
     constant = built_in is None or not built_in.ac_coupled("accelerometer")
     channels = (scenario.along,) if alone else AXES
@@ -59,12 +58,6 @@ def simulate(
         progress(last / (count * dense))
     notes = _notes(built_in, scenario.along) if built_in is not None else ()
     return Log(name, channels, np.vstack(pieces), scenario.rate, notes)
-
-
-def _built_in(scenario: VibrationScenario) -> catalogue.Sensor | None:
-    """The built-in sensor that the scenario's is made from."""
-    model = scenario.sensor.model
-    return catalogue.find(model) if model is not None and not is_file(model) else None
 
 
 def _notes(sensor: catalogue.Sensor, along: str) -> tuple[str, ...]:
