@@ -303,7 +303,7 @@ def _column(file: CsvFile, role: str, spec: str) -> Column:
         raise InputError(
             f'{file.path}: no column "{shown(name)}" for {role}{hint} (columns: {", ".join(held)})'
         )
-    own = file.titles[place].unit if file.titles else ""
+    own = file.unit(place)
     if not (unit.strip() if separator else own):
         example = kind.example.split()[1]
         raise InputError(
