@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mcsim.errors import InputError
 from mcsim.files import likely_size, open_bytes, open_lines
-from mcsim.logs.cells import Notation, holds_nothing, notation_of, number
+from mcsim.logs.cells import WRITTEN, Notation, holds_nothing, notation_of, number
 from mcsim.logs.date_times import DATE_AND_TIME, EXAMPLE, nanoseconds
 from mcsim.logs.layout import Layout, LayoutError, cells_of, find_layout, without_comments
 from mcsim.logs.titles import Title
@@ -230,7 +230,7 @@ class CsvFile:
                     dtype=kind,
                     skipinitialspace=True,
                     index_col=False,
-                    na_values=["-"],
+                    na_values=["-", *WRITTEN],
                     decimal=decimal,
                     engine="c",
                     low_memory=False,

@@ -23,9 +23,9 @@ from mcsim.logs.titles import Title, is_unit, split_titles
 DELIMITERS = (",", ";", "\t", "|", r"\s+")
 #: A line that begins so is a comment; # also ends a row.
 COMMENTS = ("#", "//", "%")
-_COMMENT = re.compile(
-    r'[ \t]*#[^\n"]*$|^[ \t]*(?://|%)[^\n]*|^\d\d:\d\d:\d\d\.\d{3} -> ', re.MULTILINE
-)
+#: What Arduino's serial monitor writes before each line.
+_MONITOR = r"^\d\d:\d\d:\d\d\.\d{3} -> "
+_COMMENT = re.compile(rf'[ \t]*#[^\n"]*$|^[ \t]*(?://|%)[^\n]*|{_MONITOR}', re.MULTILINE)
 #: A row of the table has at least this part of the columns' numbers.
 _MOSTLY = 0.5
 #: The title at the end of LabVIEW's headers, under which rows mostly have no cell.
@@ -264,7 +264,7 @@ def _holds_number(cells: list[str], notation: Notation) -> bool:
 
 def _title_cells(line: str, delimiter: str, count: int, ends_empty: bool) -> list[str] | None:
     for text in (line, without_comments(line)):
-        text = text.strip("\n\r ").lstrip("".join(COMMENTS)).strip(" ")
+        text = re.sub(_MONITOR, "", text).strip("\n\r ").lstrip("".join(COMMENTS)).strip(" ")
         cells = cells_of(text, delimiter)
         if delimiter == r"\s+":
             wide = re.split(r"\s{2,}|\t|(?<=[\])])\s+", text.strip())

@@ -56,8 +56,8 @@ _PHRASES = (
 )  # fmt: skip
 _TURNS = {"roll": "x", "pitch": "y", "yaw": "z"}
 _DOUBTFUL = {
-    "linear", "lin", "linacc", "linaccel", "linearacceleration", "accsmooth", "raw", "uncalibrated", "uncal",
-    "calibrated", "cal", "corrected", "compensated",
+    "linear", "lin", "linacc", "linaccel", "linearacceleration", "accsmooth", "raw",
+    "uncalibrated", "uncal", "calibrated", "cal", "corrected", "compensated",
 }  # fmt: skip
 _VIRTUAL = {
     "gravity", "grav", "user", "free", "world", "earth", "global", "enu", "ned", "nav", "filtered",
