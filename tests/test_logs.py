@@ -389,3 +389,65 @@ def test_files_that_cannot_be_read(tmp_path):
     (tmp_path / "a.bag").write_bytes(b"no bag")
     with pytest.raises(InputError, match="not a bag"):
         read_log(tmp_path / "a.bag")
+
+
+LABVIEW = """LabVIEW Measurement\t
+Decimal_Separator\t.
+***End_of_Header***\t
+\t
+Channels\t3\t\t\t
+Samples\t400\t400\t400\t
+Y_Unit_Label\tg\tg\tg\t
+X_Dimension\tTime\tTime\tTime\t
+X0\t0.0E+0\t0.0E+0\t0.0E+0\t
+***End_of_Header***\t\t\t\t
+time [s]\taccel_x [m/s^2]\taccel_y [m/s^2]\taccel_z [m/s^2]\tComment
+"""
+
+
+@pytest.mark.parametrize("end", ["", "\t"])
+def test_a_preamble_with_numbers_is_no_row(tmp_path, end):
+    path = write(tmp_path / "log.lvm", [TIME, ACCEL], delimiter="\t")
+    rows = path.read_text().replace("\n", f"{end}\n")
+    path.write_text(LABVIEW + rows)
+    check(read_log(path), gyro=None)
+
+
+def test_stamps_of_a_serial_monitor_are_left_aside(tmp_path):
+    path = write(tmp_path / "log.txt", [TIME, ACCEL], TITLES[:4])
+    lines = path.read_text().splitlines()
+    path.write_text("".join(f"10:00:{i // 10:02d}.123 -> {x}\n" for i, x in enumerate(lines)))
+    check(read_log(path), gyro=None)
+
+
+def test_a_counter_beside_a_stated_rate_is_set_aside(tmp_path):
+    titles = ["t_us", *TITLES[1:4]]
+    path = write(tmp_path / "log.csv", [TIME * 1e6 % 65536, ACCEL], titles)
+    with pytest.raises(InputError, match="--rate sets stamps that are no times aside"):
+        read_log(path)
+    check(read_log(path, ReadOptions(rate=RATE)), gyro=None)
+
+
+@pytest.mark.parametrize(
+    ("titles", "units"),
+    [
+        (["iTOW [ms]", "accSmooth[0]", "accSmooth[1]", "accSmooth[2]"], "accelerometer=m/s^2"),
+        (["TimeStartup [ms]", *(f"UncompAccel_{a}" for a in "XYZ")], "accelerometer=m/s^2"),
+        (["time", *(f"accelerometeruncalibrated_{a}" for a in "xyz")],
+         "accelerometer=m/s^2,time=ms"),
+        (["field.header.stamp", *(f"field.linear_acceleration.{a}" for a in "xyz")],
+         "accelerometer=m/s^2,time=ms"),
+    ],
+)  # fmt: skip
+def test_names_of_other_loggers(tmp_path, titles, units):
+    path = write(tmp_path / "log.csv", [TIME * 1e3, ACCEL], titles)
+    check(read_log(path, ReadOptions(units=units)), gyro=None)
+
+
+def test_the_advice_about_two_times_names_one_of_them(tmp_path):
+    titles = ["date", "accelTimestamp [s]", "gyroTimestamp [s]", *TITLES[1:]]
+    path = write(tmp_path / "log.csv", [0 * TIME, TIME, TIME, ACCEL, GYRO], titles)
+    with pytest.raises(InputError, match="two columns are time") as caught:
+        read_log(path)
+    advice = str(caught.value).split("--columns '")[1].rstrip("'")
+    check(read_log(path, ReadOptions(columns=advice)))

@@ -9,8 +9,10 @@ import pytest
 from mcsim import Scenario
 from mcsim.cases import problem_of
 from mcsim.errors import InputError
+from mcsim.scenario.tracks import Columns, Recorded
 from mcsim.trajectory import drive_of
 from mcsim.trajectory.geodesy import local_position
+from mcsim.trajectory.recorded import load_drive
 
 RADIUS, SPEED = 60.0, 12.0
 EARTH = 6371e3
@@ -163,10 +165,14 @@ def test_a_clock_that_errs_is_mended(tmp_path):
     swapped = [*lines[:9], lines[10], lines[9], *lines[11:]]
     back = [moved(line, -3210.0, 5000.0) for line in lines]
     anew = [moved(line, -65536.0, 5000.0) for line in lines]
-    for rows in (swapped, back, anew):
+    told = ("1 of 1000 time stamps are no later", "set back by", "begins anew")
+    for rows, words in zip((swapped, back, anew), told, strict=True):
         path.write_text("\n".join([header, *rows]))
-        mended = drive_of(recorded(tmp_path).base.trajectory, tmp_path).manoeuvre
-        assert np.abs(mended.motion(t).along - whole.motion(t).along).max() < 0.2
+        mended = load_drive(recorded(tmp_path).base.trajectory, tmp_path)
+        # Two samples: the vehicle goes 0.25 m in one.
+        assert np.abs(mended.motion(t).along - whole.motion(t).along).max() < 0.5
+        assert any(words in note for note in mended.notes)
+    assert not any("clock" in note or "stamps" in note for note in whole.notes)
     # Control: taken as the file says, the drive would be shorter.
     assert mended.duration == pytest.approx(whole.duration, abs=0.03)
 
@@ -253,6 +259,51 @@ def test_a_stated_value_is_unknown(tmp_path):
     )
     motion = drive.motion(np.linspace(2, 17, 100))
     np.testing.assert_allclose(motion.yaw_rate, SPEED / RADIUS, rtol=5e-2)
+
+
+GEOGRAPHIC = Columns(time="t", latitude="lat", longitude="lon")
+POLAR = Columns(time="t", speed="v", course="c")
+
+
+def fixes(folder, rows, header):
+    (folder / "gps.csv").write_text("\n".join([header, *rows]) + "\n")
+
+
+@pytest.mark.parametrize(
+    ("columns", "header", "row", "unknown"),
+    [
+        (GEOGRAPHIC, "t [s],lat [deg],lon [deg]", ("48.0{:04d}", "11.0", "0.0", "0.0"), 0.0),
+        (POLAR, "t [s],v [m/s],c [deg]", ("10.{:04d}", "90", "999.9", "999.9"), 999.9),
+        (POLAR, "t [s],v [m/s],c [deg]", ("10.{:04d}", "90", "10", "655.35"), 655.35),
+    ],
+)
+@pytest.mark.parametrize("at", [range(2), range(20, 23)])
+def test_what_no_vehicle_does_is_not_driven(tmp_path, columns, header, row, unknown, at):
+    """Values that stand for unknown are named with their line, and the advice works."""
+    a, b, no_a, no_b = row
+    rows = [
+        f"{i / 10},{no_a},{no_b}" if i in at else f"{i / 10},{a.format(i)},{b}" for i in range(60)
+    ]
+    fixes(tmp_path, rows, header)
+    track = Recorded(shape="recorded", file="gps.csv", columns=columns, smoothing="1 s")
+    with pytest.raises(InputError, match=rf"gps.csv:\d+: .*`unknown: {unknown:g}`"):
+        load_drive(track, tmp_path)
+    drive = load_drive(track.model_copy(update={"unknown": unknown}), tmp_path)
+    motion = drive.motion(np.linspace(0.0, drive.duration, 50))
+    assert np.abs(motion.forward).max() < 5.0
+
+
+def test_digits_of_a_clock_are_no_seconds(tmp_path):
+    """NMEA's hhmmss leaves out 40 s at each minute."""
+    seconds = 59 * 60 + 50 + np.arange(100) / 5
+    digits = [f"{10000 * (s // 3600) + 100 * (s // 60 % 60) + s % 60:.1f}" for s in seconds - 600]
+    fixes(tmp_path, [f"{d},10,90" for d in digits], "t [s],v [m/s],c [deg]")
+    track = Recorded(shape="recorded", file="gps.csv", columns=POLAR, smoothing="1 s")
+    with pytest.raises(InputError, match="times as digits, hhmmss"):
+        load_drive(track, tmp_path)
+    # Control: plain seconds beyond a hundred are none.
+    fixes(tmp_path, [f"{90 + i / 5},10,90" for i in range(100)], "t [s],v [m/s],c [deg]")
+    assert load_drive(track, tmp_path).duration == pytest.approx(19.8)
 
 
 def test_a_missing_file_is_explained(tmp_path):

@@ -21,14 +21,20 @@ _ENDINGS = (".gz", ".xz", ".bz2", ".csv", ".txt", ".yaml", ".yml", ".bag", ".mca
 
 @click.command()
 @click.argument("log", type=click.Path(path_type=Path))
-@click.option("--rate", type=Hertz(), metavar="HZ", help="Sampling rate of a log without time.")
+@click.option(
+    "--rate",
+    type=Hertz(),
+    metavar="HZ",
+    help="Sampling rate of a log without time, or whose time stamps are no use.",
+)
 @click.option(
     "--columns",
     help="What the columns are: time, accel_x … gyro_z in order (- skips one), or accel_x=TITLE,….",
 )
 @click.option(
     "--units",
-    help="Units in the order of the columns, or accelerometer=g,gyroscope=deg/s,time=ms.",
+    help="Units in the order of the columns, or accelerometer=g,gyroscope=deg/s,time=ms; counts: "
+    "accelerometer=16384 counts/g.",
 )
 @click.option("--topic", help="Topic of the IMU in a bag.")
 @click.option("--start", type=float, metavar="S", help="Leave out what lies before (s).")
@@ -98,9 +104,10 @@ def characterise(
 ) -> None:
     """Characterise a sensor from a static log; write sensor.yaml, tables and figures.
 
-    LOG is a CSV file (plain, .gz, .xz) with units in its header, a folder of EuRoC,
-    TUM-VI or gnss-ins-sim, a ROS bag or MCAP file (extra mcsim[bags]), or ready
-    parameters in any dialect that mcsim convert reads.
+    LOG is a CSV file (plain or packed; units in its header or by --units; time in
+    s, ms, µs, ns, dates and times, or --rate), a folder of EuRoC, TUM-VI or
+    gnss-ins-sim, a ROS bag or MCAP file (extra mcsim[bags]), or ready parameters in any
+    dialect that mcsim convert reads.
 
     Noise: N is Allan's (two-sided); a data sheet's one-sided density is √2 N.
     """

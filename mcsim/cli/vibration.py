@@ -41,7 +41,11 @@ _MANY = 500_000
 @click.option("--high-pass", metavar="'2 Hz'", help="Cut-off; 0 Hz for none.")
 @click.option("--low-pass", metavar="'50 Hz'", help="Cut-off; 0 Hz for none.")
 @click.option("--moving-average", type=click.IntRange(0), help="Samples; 10 if absent, 0 for none.")
-@click.option("--rate", metavar="'100 Hz'", help="Of a log without a time column.")
+@click.option(
+    "--rate",
+    metavar="'100 Hz'",
+    help="Of a log without a time column, or whose time stamps are no use.",
+)
 @click.option("--time", "stamps", metavar="'NAME in UNIT'", help="Column of a log's time stamps.")
 @click.option("--channel", "channels", multiple=True, help="Column of a log; all that fit if none.")
 @click.option(
@@ -70,6 +74,9 @@ def vibration(
     quiet: bool,
 ) -> None:
     """Analyse the vibration in a log (CSV), or simulate a scenario and analyse that.
+
+    A log has a header with units ("time [ms],az [m/s²]"), or they are given by --time and --unit;
+    dates and times need none.
 
     Filters the channels, and writes peak, RMS, signal-to-noise ratio, velocity and displacement,
     spectra, engine orders and a figure.

@@ -46,7 +46,10 @@ def recognise(text: str, source: str) -> Dialect:
         return found[0]
     what = "looks like several dialects" if found else "is in none of the known dialects"
     known = ", ".join(d.name for d in found or DIALECTS.values() if d.read is not None)
-    raise InputError(f"{source}: {what}; say which with --from ({known})")
+    raise InputError(
+        f"{source}: {what}; say which with --from ({known}), or write its figures, each with its "
+        "unit, into a sensor file (gyroscope: angle_random_walk: 0.2 °/√h)"
+    )
 
 
 def read_sensor(text: str, source: str, name: str | None, assumptions: Assumptions) -> Reading:

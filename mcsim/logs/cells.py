@@ -22,7 +22,9 @@ _GROUPS = re.compile(r"[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})")
 #: One comma before three digits: 1,234 is either.
 _EITHER = re.compile(r"[-+]?[1-9]\d{0,2},\d{3}")
 _BLANK_GROUP = re.compile(rf"(?<=\d)[{_BLANKS}](?=\d{{3}})")
-_NOTHING = ("", "-", "nan", "null", "none", "na", "n/a", "#n/a", "inf", "+inf", "-inf")
+#: What programs write besides that for a value that they do not know.
+WRITTEN = ("--", "---", "***", "?", "n.a.", "#NV", "#nv", "unknown", "invalid")
+_NOTHING = ("", "-", "nan", "null", "none", "na", "n/a", "#n/a", "inf", "+inf", "-inf", *WRITTEN)
 
 
 class Notation(Enum):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from mcsim.errors import InputError, UnitError
 from mcsim.logs.csv_file import CsvFile, shown
+from mcsim.logs.date_times import EXAMPLE
 from mcsim.logs.model import ACCELEROMETER, GYROSCOPE, KIND, SHORT
 from mcsim.logs.names import CHANNELS, TIME, Meaning, Rank, channel_of, meaning_of
 from mcsim.logs.titles import factor_of, is_unit, shown_unit
@@ -102,10 +103,11 @@ def time_column(file: CsvFile) -> int | None:
     """
     meanings = _meanings(file)
     places = [place for place, meaning in meanings.items() if meaning.name == TIME]
-    titles = file.titles or ()
     numbers = [place for place in places if place not in file.layout.texts] or places
     plain = [place for place in numbers if meanings[place].rank == Rank.SENSOR] or numbers
-    places = [place for place in plain if is_unit(titles[place].unit)] or plain
+    places = [place for place in plain if is_unit(file.unit(place))] or plain
+    # A message's header holds the time of its sensor, other stamps that of its arrival.
+    places = [p for p in places if "header.stamp" in file.title(p)] or places
     if len(places) > 1:
         raise _twice(file, meanings, TIME, (places[0], places[1]))
     return places[0] if places else None
@@ -122,13 +124,16 @@ def _meanings(file: CsvFile) -> dict[int, Meaning]:
 
 def _ask_units(file: CsvFile, names: Mapping[int, str], given: Mapping[int, str]) -> None:
     """Refuse columns without a unit; the message has an option for all of them."""
-    bare = [
-        place
-        for place in names
-        if not (given.get(place) or (file.titles[place].unit if file.titles else ""))
-    ]
+    bare = [place for place in names if not (given.get(place) or file.unit(place))]
     if not bare:
         return
+    unread = [place for place in bare if names[place] == TIME and place in file.layout.texts]
+    if unread:
+        raise InputError(
+            f'{file.path}: "{file.title(unread[0])}" holds no numbers, and no dates and times that '
+            f"are read (such as {EXAMPLE}, or a time of day): write them so, or leave this column "
+            "out by --columns and give --rate"
+        )
     kinds = list(dict.fromkeys(_element_of(names[place]) for place in bare))
     title, name, kind = file.title(bare[0]), names[bare[0]], kinds[0]
     option = ",".join(f"{k}={_EXAMPLES[k]}" for k in kinds)
@@ -146,8 +151,12 @@ def _element_of(name: str) -> str:
 
 def _column(file: CsvFile, place: int, name: str, given: str | None) -> Column:
     kind = _element_of(name)
-    unit = given or (file.titles[place].unit if file.titles else "")
-    title = file.title(place)
+    unit, title = given or file.unit(place), file.title(place)
+    if given and place in file.layout.dates:
+        raise InputError(
+            f'{file.path}: column "{title}" holds dates and times, in no unit; leave out '
+            f"--units of {kind}"
+        )
     try:
         return Column(place, title, name, factor_of(unit, KINDS[_KIND_OF[kind]]), unit)
     except UnitError as error:
@@ -201,6 +210,7 @@ def _twice(
     for place, meaning in sorted(meanings.items(), key=lambda item: (item[1].rank, item[0])):
         if meaning.rank < Rank.VIRTUAL:
             first.setdefault(meaning.name, place)
+    first[name] = places[0]
     names = [(name_, first[name_]) for name_ in (TIME, *CHANNELS) if name_ in first]
     choice = ",".join(f"{name_}={written_column(file, place)}" for name_, place in names)
     one, other = (file.title(place) for place in places)

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from mcsim.errors import InputError
 from mcsim.files import likely_size, open_bytes, open_lines
-from mcsim.logs.cells import Notation, holds_nothing, notation_of, number
+from mcsim.logs.cells import WRITTEN, Notation, holds_nothing, notation_of, number
+from mcsim.logs.date_times import DATE_AND_TIME, EXAMPLE, nanoseconds
 from mcsim.logs.layout import Layout, LayoutError, cells_of, find_layout, without_comments
 from mcsim.logs.titles import Title
 
@@ -77,6 +78,12 @@ class CsvFile:
             return f"column {place + 1}"
         return shown(self.titles[place].text)
 
+    def unit(self, place: int) -> str:
+        """What the file says that a column's unit is; '' if nothing."""
+        if place in self.layout.dates:
+            return DATE_AND_TIME
+        return self.titles[place].unit if self.titles else ""
+
     def place_of(self, name: str) -> int | None:
         """Place of the column with a title or name, or of ``column 3``; None if there is none.
 
@@ -102,6 +109,8 @@ class CsvFile:
 
     def numbers(self, places: Iterable[int], unknown: bool = False) -> dict[int, Numbers]:
         """Columns (n,) by place; whole numbers stay whole, since nanoseconds do not fit floats.
+
+        Dates and times are whole numbers of nanoseconds.
 
         A last row that was cut off is left out.  With ``unknown``, cells that hold nothing are
         nan.
@@ -180,7 +189,11 @@ class CsvFile:
             if rows > _MOST_ROWS:
                 raise _too_many(self.path)
             for place, held in parts.items():
-                held.append(self._converted(chunk[place]))
+                held.append(
+                    _stamps(chunk[place])
+                    if place in self.layout.dates
+                    else self._converted(chunk[place])
+                )
         if not rows:
             raise InputError(f"{self.path}: holds a header and no rows of values")
         return {place: np.concatenate(held) for place, held in parts.items()}
@@ -217,7 +230,7 @@ class CsvFile:
                     dtype=kind,
                     skipinitialspace=True,
                     index_col=False,
-                    na_values=["-"],
+                    na_values=["-", *WRITTEN],
                     decimal=decimal,
                     engine="c",
                     low_memory=False,
@@ -262,13 +275,24 @@ class CsvFile:
             held = "nothing (or nan)"
         more = int(np.count_nonzero(bad)) - 1
         also = f", and so in {more} more rows" if more else ""
-        if "," in cell:
+        needed = "a finite number"
+        if place in self.layout.dates:
+            needed = f"a date and time like the others ({EXAMPLE})"
+        elif "," in cell:
             sign = "comma" if self.layout.notation is Notation.COMMA else "point"
             also += f"; the table's numbers are read with a decimal {sign}"
         raise InputError(
             f'{self.path}:{line}: column "{self.title(place)}" holds {held}, '
-            f"where a finite number is needed{also}"
+            f"where {needed} is needed{also}"
         )
+
+
+def _stamps(column: pd.Series[Any]) -> Numbers:
+    """Dates and times in ns; nan where a cell holds nothing, inf where it holds no time."""
+    stamps, bad = nanoseconds(column.astype("object").where(column.notna(), None))
+    if not np.any(bad):
+        return stamps
+    return np.where(column.isna(), np.nan, np.where(bad, np.inf, stamps.astype(float)))
 
 
 class _Rows(io.TextIOBase):

@@ -16,15 +16,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from mcsim.logs.cells import Notation, holds_nothing, notation_of, number
+from mcsim.logs.date_times import are_dates
 from mcsim.logs.titles import Title, is_unit, split_titles
 
 #: In the order of preference; blanks come last, since other tables hold them too.
 DELIMITERS = (",", ";", "\t", "|", r"\s+")
 #: A line that begins so is a comment; # also ends a row.
 COMMENTS = ("#", "//", "%")
-_COMMENT = re.compile(r'[ \t]*#[^\n"]*$|^[ \t]*(?://|%)[^\n]*', re.MULTILINE)
+#: What Arduino's serial monitor writes before each line.
+_MONITOR = r"^\d\d:\d\d:\d\d\.\d{3} -> "
+_COMMENT = re.compile(rf'[ \t]*#[^\n"]*$|^[ \t]*(?://|%)[^\n]*|{_MONITOR}', re.MULTILINE)
 #: A row of the table has at least this part of the columns' numbers.
 _MOSTLY = 0.5
+#: The title at the end of LabVIEW's headers, under which rows mostly have no cell.
+_REMARK = "Comment"
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,8 @@ class Layout:
     certain: bool = False
     empty: frozenset[int] = frozenset()
     texts: frozenset[int] = frozenset()
+    dates: frozenset[int] = frozenset()
+    """Those of the texts that are dates and times."""
     doubt: str = ""
     """Why a line that looks like a header is none."""
     row_length: float = 1.0
@@ -69,8 +76,8 @@ class LayoutError(ValueError):
 
 
 def without_comments(text: str) -> str:
-    """Text without its comments; the lines stay where they are."""
-    if "#" in text or "%" in text or "//" in text:
+    """Text without its comments, and a serial monitor's; the lines stay where they are."""
+    if any(sign in text for sign in (*COMMENTS, " -> ")):
         return _COMMENT.sub("", text)
     return text
 
@@ -136,8 +143,11 @@ def _placed(lines: Sequence[str], split: _Split, held: list[int]) -> Layout:
     rows, count, notation = split.rows, split.count, split.notation
     usual = [i for i in held if len(rows[i]) == count and _holds_number(rows[i], notation)]
     numeric, empty = _columns([rows[i] for i in usual], count, notation)
-    first = next(i for i in usual if _is_row(rows[i], numeric, notation))
+    whole = [i for i in usual if _is_row(rows[i], numeric, notation, len(numeric))]
+    some = (i for i in usual if _is_row(rows[i], numeric, notation, _MOSTLY * len(numeric)))
+    first = whole[0] if whole else next(some)
     texts = frozenset(range(count)) - numeric - empty
+    dates = frozenset(place for place in texts if are_dates([rows[i][place] for i in usual]))
     header = _headers(lines, split, first, count - 1 in empty)
     # A delimiter at the end of each row makes no column.
     if count - 1 in empty and (header is None or not header.titles[-1].text):
@@ -155,6 +165,7 @@ def _placed(lines: Sequence[str], split: _Split, held: list[int]) -> Layout:
         split.certain,
         empty,
         texts,
+        dates,
         _doubt(lines, split, first) if header is None else "",
         float(np.mean([len(lines[i]) + 1 for i in usual])),
     )
@@ -238,12 +249,13 @@ def _columns(
     return frozenset(numeric), frozenset(empty)
 
 
-def _is_row(cells: list[str], numeric: frozenset[int], notation: Notation) -> bool:
+def _is_row(cells: list[str], numeric: frozenset[int], notation: Notation, least: float) -> bool:
+    """Whether at least so many columns of numbers hold one, or nothing."""
     fitting = sum(
         number(cells[place], notation) is not None or holds_nothing(cells[place])
         for place in numeric
     )
-    return fitting >= _MOSTLY * len(numeric)
+    return fitting >= least
 
 
 def _holds_number(cells: list[str], notation: Notation) -> bool:
@@ -252,12 +264,12 @@ def _holds_number(cells: list[str], notation: Notation) -> bool:
 
 def _title_cells(line: str, delimiter: str, count: int, ends_empty: bool) -> list[str] | None:
     for text in (line, without_comments(line)):
-        text = text.strip("\n\r ").lstrip("".join(COMMENTS)).strip(" ")
+        text = re.sub(_MONITOR, "", text).strip("\n\r ").lstrip("".join(COMMENTS)).strip(" ")
         cells = cells_of(text, delimiter)
         if delimiter == r"\s+":
             wide = re.split(r"\s{2,}|\t|(?<=[\])])\s+", text.strip())
-            cells = wide if len(wide) == count else cells
-        if len(cells) == count + 1 and not cells[-1]:
+            cells = wide if len(wide) == count or wide[count:] == [_REMARK] else cells
+        if len(cells) == count + 1 and cells[-1] in ("", _REMARK):
             cells.pop()
         if len(cells) == count - 1 and ends_empty:
             cells.append("")

@@ -40,7 +40,7 @@ class Meaning:
 
 _ACCELEROMETER = {
     "a", "acc", "accel", "acceleration", "accelerations", "accelerometer", "accelero",
-    "specificforce", "gforce", "gf", "linacc", "linaccel", "linearacceleration",
+    "specificforce", "gforce", "gf", "linacc", "linaccel", "linearacceleration", "accsmooth",
 }  # fmt: skip
 _GYROSCOPE = {
     "g", "w", "gyr", "gyro", "gyros", "gyroscope", "omega", "angvel", "angularvelocity",
@@ -52,12 +52,12 @@ _LETTERS = {"a": ACCELEROMETER, "g": GYROSCOPE, "w": GYROSCOPE}
 _PHRASES = (
     ("specific", "force"), ("g", "force"), ("angular", "velocity"), ("ang", "vel"),
     ("angular", "rate"), ("rotation", "rate"), ("rot", "rate"), ("turn", "rate"),
-    ("body", "rate"), ("lin", "acc"),
+    ("body", "rate"), ("lin", "acc"), ("acc", "smooth"),
 )  # fmt: skip
 _TURNS = {"roll": "x", "pitch": "y", "yaw": "z"}
 _DOUBTFUL = {
-    "linear", "lin", "linacc", "linaccel", "linearacceleration", "raw", "uncalibrated", "uncal",
-    "calibrated", "cal", "corrected", "compensated",
+    "linear", "lin", "linacc", "linaccel", "linearacceleration", "accsmooth", "raw",
+    "uncalibrated", "uncal", "calibrated", "cal", "corrected", "compensated",
 }  # fmt: skip
 _VIRTUAL = {
     "gravity", "grav", "user", "free", "world", "earth", "global", "enu", "ned", "nav", "filtered",
@@ -75,14 +75,16 @@ _FOREIGN = {
 _TIME_WORDS = {
     "time", "timestamp", "timestamps", "stamp", "stamps", "times", "t", "ts", "sec", "secs",
     "seconds", "millis", "micros", "nanos", "milliseconds", "microseconds", "nanoseconds", "msec",
-    "usec", "nsec", "elapsed", "epoch", "epoc", "clock", "zeit", "temps", "tiempo",
+    "usec", "nsec", "elapsed", "epoch", "epoc", "clock", "zeit", "temps", "tiempo", "datetime",
+    "uhrzeit", "heure", "hora", "uptime", "tow", "itow", "timestartup",
 }  # fmt: skip
 _PLAIN_TIME = _TIME_WORDS | {
     "since", "start", "of", "s", "ms", "us", "ns", "unix", "utc", "in", "host", "device", "sensor",
-    "imu", "system", "sample", "the", "field", "header",
+    "imu", "system", "sample", "the", "field", "header", "date", "datum", "day", "local",
+    "startup", "power", "on", "up", "week", "i",
 }  # fmt: skip
 _OTHER_TIME = {
-    "gps", "gnss", "location", "logging", "ros", "boot", "reboot", "sys", "local", "server", "fine",
+    "gps", "gnss", "location", "logging", "ros", "boot", "reboot", "sys", "server", "fine",
     "accelerometer", "acc", "gyro", "gyroscope", "received", "arrival", "seq", "motion",
     "recording",
 }  # fmt: skip
@@ -137,6 +139,7 @@ def _words(name: str) -> list[str]:
     text = re.sub(r"gF(?=[xyz])", "gforce ", text)
     text = re.sub(r"m_s_?2(?=\W|_|$)|m/s\^?2|rad_s|deg_s", " ", text)
     text = re.sub(r"([a-z\d])([A-Z])|([A-Z])(?=[A-Z][a-z])", r"\1\3 \2", text)
+    text = re.sub(r"(?i)(?<=ometer|oscope)(uncalibrated|calibrated|raw)", r" \1", text)
     words = re.sub(r"[^\w]+|_", " ", text).lower().split()
     for first, second in _PHRASES:
         for i in range(len(words) - 1):

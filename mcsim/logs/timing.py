@@ -159,6 +159,8 @@ def check_stamps(clock: Clock, stated_rate: float | None, where: str) -> Spacing
     if reason:
         raise InputError(f"{where}: {reason}; give the sampling rate, --rate 100, if none is lost")
     found = judge(clock)
+    if stated_rate is not None and (reason := no_times(found.rate, stated_rate)):
+        return _set_aside(clock, reason, stated_rate)
     check_rate(found.rate, stated_rate, where)
     timing = Timing(
         found.rate,
@@ -228,6 +230,15 @@ def _way_out(found: Judgement, first: int, last: int) -> str:
     return f"Log it anew; {rate}"
 
 
+def no_times(
+    rate: float, stated: float, limits: tuple[float, float] = (LOWEST_RATE, HIGHEST_RATE)
+) -> str:
+    """Why stamps beside a stated rate are no times, such as counters; empty where they may be."""
+    if limits[0] <= rate <= limits[1] or _other_unit(rate / stated, ""):
+        return ""
+    return f"the time stamps say {rate:.4g} Hz, which no sensor has"
+
+
 def check_rate(
     rate: float,
     stated: float | None,
@@ -250,7 +261,8 @@ def check_rate(
     if not limits[0] <= rate <= limits[1]:
         raise InputError(
             f"{where}: the time stamps say {rate:.6g} Hz, which no sensor has; is their "
-            f"unit right? ({way} with s, ms, µs or ns states another than the header)"
+            f"unit right? ({way} with s, ms, µs or ns states another than the header; --rate sets "
+            "stamps that are no times aside)"
         )
 
 

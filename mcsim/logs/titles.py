@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from mcsim.errors import UnitError
+from mcsim.logs.date_times import DATE_AND_TIME, NANOSECOND
 from mcsim.units import KINDS, Kind, canonical_unit, factor
 
 #: Kinds of quantity that columns hold.
@@ -151,6 +152,8 @@ def factor_of(unit: str, kind: Kind) -> float:
         An unknown unit, a unit of another kind, or counts without their scale.
     """
     text = unit.strip()
+    if text == DATE_AND_TIME and kind.name == "time":
+        return NANOSECOND
     per_unit, per_count, scaled = (
         pattern.fullmatch(text) for pattern in (_PER_UNIT, _PER_COUNT, _SCALED)
     )

@@ -13,7 +13,7 @@ from mcsim.logs.clock import Clock, mend_clock
 from mcsim.logs.columns import Column, said, time_column, written_column
 from mcsim.logs.csv_file import CsvFile, open_csv, scaled, since_first
 from mcsim.logs.names import is_acceleration
-from mcsim.logs.timing import check_rate, judge, unusable
+from mcsim.logs.timing import check_rate, judge, no_times, unusable
 from mcsim.logs.titles import Title, factor_of, kind_of
 from mcsim.units import KINDS, Kind
 
@@ -133,8 +133,12 @@ def _stamps(file: CsvFile, given: str | None) -> Column | None:
             raise InputError(f'{file.path}: no column "{name}" for the time (it has {_held(file)})')
     elif file.titles is None or (place := time_column(file)) is None:
         return None
-    unit = stated or (file.titles[place].unit if file.titles else "")
-    title = file.title(place)
+    unit, title = stated or file.unit(place), file.title(place)
+    if stated and place in file.layout.dates:
+        raise InputError(
+            f"{file.path}: --time {given}: the column holds dates and times, in no unit; give "
+            f"--time '{written_column(file, place)}'"
+        )
     if not unit:
         raise InputError(
             f'{file.path}: the time column "{title}" has no unit; write "{title} [s]" into the '
@@ -250,6 +254,8 @@ def _evenly(
         raise InputError(f"{path}: --start and --end leave {len(clock.rows)} rows, too few")
     values = values[clock.rows]
     reason = unusable(clock)
+    if stated is not None and not reason:
+        reason = no_times(1.0 / clock.interval, stated, _RATES)
     if reason and stated is None:
         raise InputError(f"{path}: {reason}; give --rate '100 Hz', if no sample is lost")
     if reason and stated is not None:
