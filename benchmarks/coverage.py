@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from mcsim.cases.problem import Problem
-from mcsim.engine import LOOKED_AT, collect, run_point
+from mcsim.engine import collect, run_point
+from mcsim.estimation import LOOKED_AT
 from mcsim.scenario.run import MonteCarlo
 from mcsim.statistics import estimate, statistic_names
 from tests.conftest import ALL_ERRORS, problem, scenario
