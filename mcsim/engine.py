@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mcsim.cases import Problem
 from mcsim.cases.problem import Limit
-from mcsim.estimation import LOOKED_AT, reference, takes_nets
+from mcsim.estimation import LOOKED_AT, limit_texts, reference, takes_nets
 from mcsim.remarks import (
     Notes,
     add_note,
@@ -161,7 +161,7 @@ def _result(
         count,
         {**notes, **problem.missing},
         problem.linear.variances,
-        tuple(limit.text for limit in limits if limit.text),
+        limit_texts(limits),
     )
 
 

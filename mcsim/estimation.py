@@ -6,7 +6,7 @@ Where few realizations may do what neither follows, plain random ones serve inst
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,11 @@ LOOKED_AT = 1000
 #: Realizations beyond an abrupt limit that must be there before a control is trusted to
 #: follow them, and events of a rare kind before they count as seen.
 SEEN = 50
+
+
+def limit_texts(limits: Iterable[Limit]) -> tuple[str, ...]:
+    """What is said of limits: those that are reached."""
+    return tuple(limit.text for limit in limits if limit.text)
 
 
 def takes_nets(problem: Problem, settings: MonteCarlo, limits: Sequence[Limit]) -> bool:
