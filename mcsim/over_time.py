@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from mcsim.cases import History, problem_of
 from mcsim.engine import PointResult, point_key
+from mcsim.estimation import LOOKED_AT, takes_nets
 from mcsim.memory import HISTORY_REALIZATIONS, history_realizations
 from mcsim.scenario import UNITS, Point, Scenario
 from mcsim.scenario.error_names import ErrorName
@@ -74,7 +75,8 @@ def _simulated(point: Point, scenario: Scenario, result: PointResult) -> tuple[H
     if not outputs.history:
         count = n_tracks
     key = point_key(settings, point.identities)
-    net = cell_size(behind, nets=True) if settings.offsets == "sobol" else 0
+    limits = problem.limits(key, min(behind, LOOKED_AT)) if settings.offsets == "sobol" else ()
+    net = cell_size(behind, nets=True) if takes_nets(problem, settings, limits) else 0
     return problem.history(key, 0, max(count, n_tracks), net), count, n_tracks
 
 

@@ -118,6 +118,19 @@ def test_rare_saturation_is_no_case_for_controls():
         assert (widths[1] < 0.5 * widths[0]) == controlled
 
 
+def test_a_budget_says_the_limits_of_its_run():
+    """Gravity alone asks for more than the range; a wide one says nothing."""
+    from mcsim.gum import course_of_uncertainty
+    from tests.test_velocity_sensor import scenario as measured
+
+    narrow, wide = (
+        course_of_uncertainty(measured({"range": r}).base, 200).limits
+        for r in ("0.5 g", "15 g")
+    )
+    assert any("its range of" in text for text in narrow)
+    assert wide == ()
+
+
 def test_velocity_says_its_limits():
     from tests.test_velocity import scenario as velocity
 

@@ -8,6 +8,7 @@ from scipy import stats
 import mcsim
 from mcsim.cases.nets import net_normals
 from mcsim.engine import run_point
+from mcsim.statistics import Collector, Reference, estimate
 from tests.conftest import ALL_ERRORS, problem, scenario
 
 OFFSETS = {**ALL_ERRORS, "trajectory.length": "20 m"}
@@ -77,3 +78,33 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     assert rates.min() > 0.90
     assert 0.93 < rates.mean() < 0.975
     assert hits(0.5).mean() < 0.75  # half as wide must fail
+
+
+def test_where_errors_jump_random_points_serve_and_it_is_said():
+    """Wraps, or a range in reach: in a net such realizations come together or not at all."""
+    said = {}
+    for name, overrides in (
+        ("wraps", {"initial.direction_error": "52 °"}),
+        ("range", {"sensors.accelerometer.range": "3 m/s^2"}),
+        ("smooth", {}),
+    ):
+        p = problem({**OFFSETS, **overrides})
+        random, nets = (
+            run_point(p, settings(realizations=600, offsets=o), 3) for o in ("random", "sobol")
+        )
+        said[name] = any("Sobol points serve errors that are smooth" in t for t in nets.limits)
+        same = np.array_equal(random.estimates.value, nets.estimates.value)
+        assert said[name] == same
+    assert said == {"wraps": True, "range": True, "smooth": False}
+
+
+def test_percentiles_of_nets_know_how_nets_scatter():
+    """Nets whose realizations are all alike: as few independent ones as there are nets."""
+    alike = np.repeat(np.random.default_rng(1).standard_normal((1, 64)), 16, axis=1)
+    widths = []
+    for nets in (False, True):
+        c = Collector(alike.shape[1], Reference(np.zeros(1)), nets)
+        c.add(0, alike, np.empty((1, 0)))
+        e = estimate(c, 2.0, 200, 1)
+        widths.append((e.high - e.low)[0, 3])
+    assert widths[1] > 2.5 * widths[0]

@@ -43,7 +43,7 @@ def test_control_must_fail_without_knowledge_of_spikes(monkeypatch):
     """The bootstrap alone knows only the spikes that it has seen."""
     p = problem(SPIKES)
     truth = run_point(p, settings(realizations=1_000_000), 1, 2).estimates.value[:, :3]
-    monkeypatch.setattr("mcsim.engine._rare", lambda _: None)
+    monkeypatch.setattr("mcsim.estimation.rare_events", lambda _: None)
     monkeypatch.setattr("mcsim.statistics.moments.FEW_DEGREES", 0.0)
     found = shares(p, truth, settings(realizations=100, confidence="95 %"))
     assert found[:2, 1:].max() < 0.87

@@ -32,6 +32,7 @@ def budget(
 
     Writes budget.csv (the rows of the source's Tables 3 and 4 and the totals), shares of the
     variances, and a comparison over time with Monte Carlo, as table, figure and in words.
+    Limits of the sensor and of the model that the run reaches are said.
     """
     from mcsim.scenario import Scenario, VelocityScenario
 
@@ -76,10 +77,11 @@ def write_budget(scenario: Scenario, folder: Path) -> str:
     write_table(table, folder, "budget")
     write_table(comparison_table(course), folder, "comparison")
     write_text(words, folder, "comparison.txt")
-    write_provenance(circumstances(scenario), folder)
+    write_provenance({**circumstances(scenario), "remarks": list(course.limits)}, folder)
     outputs: tuple[Literal["Dv", "acx"], ...] = ("Dv", "acx")
     for output in outputs:
         shares = draw_shares([budget], [scenario.name], output, f"{title}: variance of {output}")
         write_figure(shares, folder, f"shares-{output.lower()}")
     write_figure(draw_comparison(course, title), folder, "comparison")
-    return "\n".join([budget_summary(table), "", words, f"{folder}/"])
+    notes = [f"note: {limit}" for limit in course.limits]
+    return "\n".join([budget_summary(table), "", words, *notes, f"{folder}/"])

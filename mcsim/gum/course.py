@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mcsim.cases.velocity import VelocityProblem
 from mcsim.cases.velocity_linear import calibration_pushes
 from mcsim.engine import point_key
+from mcsim.estimation import LOOKED_AT, limit_texts
 from mcsim.gum.budget import correction
 from mcsim.gum.propagation import step_sensitivities, tilt_sensitivities
 from mcsim.scenario import VelocityScenario
@@ -45,7 +46,8 @@ class Course:
     ``other_scatter`` what it is with the other kind of time errors than the scenario's
     (``stamps`` or independent intervals).  ``by_acceleration`` is what the errors of the
     calibration would make of the velocity if they entered the acceleration alone, and not the
-    initial tilt as well (to first order).
+    initial tilt as well (to first order).  ``limits`` are the bounds of the sensor and of the model
+    that the run reaches.
     """
 
     time: Array
@@ -61,6 +63,7 @@ class Course:
     stamps: bool
     by_acceleration: Array
     sensor_terms: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
 
     @property
     def summed_total(self) -> Array:
@@ -102,6 +105,7 @@ def course_of_uncertainty(model: VelocityScenario, groups: int = GROUPS) -> Cour
         stamps=problem.stamps,
         by_acceleration=_by_acceleration(problem),
         sensor_terms=terms,
+        limits=limit_texts(problem.limits(key, min(groups, LOOKED_AT))),
     )
 
 

@@ -134,6 +134,21 @@ class Collector:
             return [float(ordered[rank - 1]) for rank in ranks]
         return self._brackets[error][percentile].order_statistics(ranks)
 
+    def scatter_below(self, error: int, value: float) -> float:
+        """Scatter of the cells' numbers of errors below a value, in that of independent ones.
+
+        At least 1, which it is without nets; of the realizations that are kept.
+        """
+        whole = self._kept.shape[1] // self.cell
+        if not self.nets or self.cell == 1 or whole < 2:
+            return 1.0
+        below = self._kept[error, : whole * self.cell].reshape(whole, self.cell) < value
+        share = float(below.mean())
+        independent = share * (1.0 - share) * self.cell
+        if independent == 0.0:
+            return 1.0
+        return max(1.0, float(np.sqrt(np.var(below.sum(axis=1), ddof=1) / independent)))
+
     def _sorted(self, error: int) -> Array:
         if error not in self._ordered:
             self._ordered[error] = np.sort(self._kept[error])
