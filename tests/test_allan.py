@@ -61,7 +61,7 @@ def test_degrees_of_freedom_are_greenhalls(term, alpha):
     """allantools' edf_greenhall; short clusters differ, since flicker and random walk of the
     rate are taken as continuous here and as sampled there."""
     curve = allan_curve(np.random.default_rng(0).standard_normal(1 << 18), 1.0)
-    squares = np.zeros(4)
+    squares = np.zeros(5)
     squares[term] = 1.0
     ours = degrees_of_freedom(curve, squares)
     if term == 1:
@@ -102,7 +102,7 @@ def test_chi_square_intervals_cover(overlapping):
     hits = np.zeros(4)
     for _ in range(400):
         curve = allan_curve(rng.standard_normal(2000), 1.0, factors, overlapping)
-        degrees = degrees_of_freedom(curve, np.array([0.0, 1.0, 0.0, 0.0]))
+        degrees = degrees_of_freedom(curve, np.array([0.0, 1.0, 0.0, 0.0, 0.0]))
         low, high = intervals(curve, degrees, 0.9)
         truth = 1.0 / np.sqrt(curve.tau)
         hits += (low < truth) & (truth < high)
