@@ -126,7 +126,7 @@ def _analyse(channel: Channel, log: Log, settings: Settings) -> ChannelResult:
 
 
 def _bias(seen: Inspection, rate: float, fit: NoiseFit) -> BiasTracking | None:
-    """Of the fitted process, if any; None where no bias, or only a ramp, stands out of the noise."""
+    """Of the fitted process, if any; None where no bias, or a ramp alone, stands out."""
     process = fit.gauss_markov
     if process is None and "R" in fit.coefficients:
         return None
