@@ -108,7 +108,7 @@ def coverage(case: str, trials: int) -> str:
             hits["Tc"].append(process.time_low <= truth["Tc"] <= process.time_high)
             hits["σ"].append(process.deviation_low <= truth["σ"] <= process.deviation_high)
         if make is white:
-            degrees = degrees_of_freedom(curve, np.maximum(fit.squares[:4], 0.0))
+            degrees = degrees_of_freedom(curve, np.maximum(fit.squares, 0.0))
             low, high = intervals(curve, degrees, 0.95)
             expected = WHITE / np.sqrt(curve.tau)
             hits["ADEV"] += ((low <= expected) & (expected <= high)).tolist()

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy import integrate
 from scipy.optimize import nnls
+from scipy.signal import lfilter
 
 from mcsim.characterisation.allan import (
     allan_curve,
@@ -61,7 +62,7 @@ def test_degrees_of_freedom_are_greenhalls(term, alpha):
     """allantools' edf_greenhall; short clusters differ, since flicker and random walk of the
     rate are taken as continuous here and as sampled there."""
     curve = allan_curve(np.random.default_rng(0).standard_normal(1 << 18), 1.0)
-    squares = np.zeros(4)
+    squares = np.zeros(5)
     squares[term] = 1.0
     ours = degrees_of_freedom(curve, squares)
     if term == 1:
@@ -102,7 +103,7 @@ def test_chi_square_intervals_cover(overlapping):
     hits = np.zeros(4)
     for _ in range(400):
         curve = allan_curve(rng.standard_normal(2000), 1.0, factors, overlapping)
-        degrees = degrees_of_freedom(curve, np.array([0.0, 1.0, 0.0, 0.0]))
+        degrees = degrees_of_freedom(curve, np.array([0.0, 1.0, 0.0, 0.0, 0.0]))
         low, high = intervals(curve, degrees, 0.9)
         truth = 1.0 / np.sqrt(curve.tau)
         hits += (low < truth) & (truth < high)
@@ -328,6 +329,49 @@ def test_a_low_pass_filter_shifts_the_fit_and_not_its_result():
     assert fit["N"].value == pytest.approx(1.0, rel=0.03)
     # Control: with the short clusters the same fit fails.
     assert fit_noise(allan_curve(samples, 1.0), (1.0, 1e9))["N"].value != pytest.approx(1, rel=0.1)
+
+
+def test_intervals_of_n_hold_beside_a_first_order_filter():
+    """A start inside of its decay holds less often; see benchmarks/interval_coverage.txt."""
+    rng, decay, hits, inside = np.random.default_rng(24), math.exp(-0.3), 0, 0
+    for _ in range(30):
+        white = rng.standard_normal(20_200)
+        samples = lfilter([1.0 - decay], [1.0, -decay], white)[200:]
+        curve = allan_curve(samples, 1.0)
+        fit = fit_noise(curve)
+        assert fit.tau_from > 3.0 / 0.3
+        hits += fit["N"].low < 1.0 < fit["N"].high
+        early = fit_noise(curve, (6.0, 1e9))
+        inside += early["N"].low < 1.0 < early["N"].high
+    assert hits >= 25  # of a share of 0.95, 25 or more in 98.4 %
+    assert inside < hits
+
+
+def test_intervals_of_n_hold_beside_a_gauss_markov_process():
+    rng = np.random.default_rng(25)
+    for _ in range(4):
+        samples = static_noise(2e-3, 0.0, 0.0, 2.0, 14_400, rng)
+        fit = fit_noise(allan_curve(samples + gauss_markov(40.0, 3e-3, 2.0, 14_400, rng), 2.0))
+        assert fit.gauss_markov is not None
+        assert fit["N"].low < 2e-3 < fit["N"].high
+        assert fit["N"].high / fit["N"].low < 1.2
+        # Control: N of the fit without the process is off by more than the interval.
+        assert not fit["N"].low < fit.squares[N] ** 0.5 < fit["N"].high
+
+
+def test_a_ramp_does_not_scatter():
+    """Degrees of freedom of white noise and a ramp, against 600 logs."""
+    rng, factors, ramp = np.random.default_rng(26), np.array([10, 300]), 2e-3
+    drift = ramp * np.arange(1000.0)
+    curves = [allan_curve(rng.standard_normal(1000) + drift, 1.0, factors) for _ in range(600)]
+    variances = np.array([curve.variance for curve in curves])
+    squares = np.array([0.0, 1.0, 0.0, 0.0, ramp**2])
+    degrees = degrees_of_freedom(curves[0], squares)
+    measured = 2.0 * variances.mean(axis=0) ** 2 / variances.var(axis=0)
+    np.testing.assert_allclose(degrees, measured, rtol=0.25)
+    # Control: white noise alone would have far fewer at the longest clusters.
+    white = degrees_of_freedom(curves[0], np.array([0.0, 1.0, 0.0, 0.0, 0.0]))
+    assert degrees[1] > 5.0 * white[1]
 
 
 @pytest.mark.parametrize(

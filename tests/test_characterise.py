@@ -257,6 +257,22 @@ def test_a_gauss_markov_bias_stands_in_the_sensor_file(tmp_path):
     assert not any("random walk does not clearly show" in sentence for sentence in told)
 
 
+def test_a_ramp_is_named_kept_and_no_bias():
+    samples = noise(12, (1e-3, 0.0, 0.0)) + 5e-6 * np.arange(N_SAMPLES) / RATE
+    found = characterise(log_of(samples))
+    text = next(finding.text for finding in found.findings if finding.kind == "ramp")
+    assert "the output drifts by a ramp R of " in text
+    assert float(text.split("ramp R of ")[1].split()[0]) == pytest.approx(5e-6, rel=0.1)
+    assert "rate_ramp: " in sensor_file(found)
+    assert sum("ramp" in sentence for sentence in verdict(found)) == 1
+    # Its autocorrelation is the log's length: no bias to be tracked.
+    assert found.channels[0].bias is None
+    assert "bias" not in kinds(found)
+    # The band is that of noise beside a ramp, which is well known.
+    assert found.channels[0].high[-1] < 1.2 * found.channels[0].low[-1]
+    assert "ramp" not in kinds(characterise(log_of(noise(12, (1e-3, 0.0, 0.0)))))
+
+
 def test_axes_of_a_sensor_file_keep_what_is_theirs(tmp_path):
     """A process of one axis is not spread over those that have none."""
     rng = np.random.default_rng(10)

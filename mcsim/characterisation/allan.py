@@ -204,13 +204,14 @@ def covariances(curve: AllanCurve) -> Covariances:
 def degrees_of_freedom(curve: AllanCurve, squares: Array) -> Array:
     """Equivalent degrees of freedom 2 E² / Var of each estimate (k,), for a mix of noises.
 
-    For a single noise they are those of Greenhall and Riley (2003, NIST SP 1065, 5.4).
+    ``squares`` float64 (5,) are Q², N², B², K², R²; the ramp R itself does not scatter.  For a
+    single noise they are those of Greenhall and Riley (2003, NIST SP 1065, 5.4).
     Estimates that do not overlap have fewer: as many as there are clusters allow.
     """
-    if not np.any(squares):
-        squares = np.array([0.0, 1.0, 0.0, 0.0])  # a log without noise: as if it were white
-    expected = allan_terms(curve.tau)[:, :NOISES] @ squares
-    variance = np.diagonal(covariances(curve).of(squares))
+    if not np.any(squares[:NOISES]):
+        squares = np.array([0.0, 1.0, 0.0, 0.0, 0.0])  # a log without noise: as if white
+    expected = allan_terms(curve.tau) @ squares
+    variance = np.diagonal(covariances(curve).of(squares[:NOISES], squares[NOISES]))
     degrees = 2.0 * expected**2 / variance
     if not curve.overlapping:
         # Of white noise, the worst of the usual ones, an estimate per cluster (Lesage 1973).

@@ -23,7 +23,6 @@ from mcsim.characterisation.fit import Intervals, NoiseFit, fit_noise
 from mcsim.characterisation.health import Finding
 from mcsim.characterisation.spectrum import white_floor
 from mcsim.errors import InputError
-from mcsim.kernels.allan import NOISES
 from mcsim.logs.model import ACCELEROMETER, AXES, GYROSCOPE, Channel, Log
 
 Array = NDArray[np.float64]
@@ -119,7 +118,7 @@ def _analyse(channel: Channel, log: Log, settings: Settings) -> ChannelResult:
     curve = overlapping
     if settings.estimator == "non-overlapping":
         curve = allan_curve(channel.samples, rate, overlapping.factors, overlapping=False)
-    degrees = degrees_of_freedom(curve, np.maximum(fit.squares[:NOISES], 0.0))
+    degrees = degrees_of_freedom(curve, np.maximum(fit.squares, 0.0))
     low, high = intervals(curve, degrees, settings.confidence)
     return ChannelResult(
         seen, curve, low, high, fitted, fit, white_floor(seen.spectrum), _bias(seen, rate, fit)
@@ -127,8 +126,10 @@ def _analyse(channel: Channel, log: Log, settings: Settings) -> ChannelResult:
 
 
 def _bias(seen: Inspection, rate: float, fit: NoiseFit) -> BiasTracking | None:
-    """None where the log shows no bias beside its white noise; of the fitted process, if any."""
+    """Of the fitted process, if any; None where no bias, or a ramp alone, stands out."""
     process = fit.gauss_markov
+    if process is None and "R" in fit.coefficients:
+        return None
     try:
         return analyse_bias(
             seen.samples, rate, fit["N"].value, process.model if process is not None else None

@@ -31,6 +31,9 @@ _MODEL_ERROR = 0.001
 #: Inside of a filter's memory the next Allan variance is no less than this part of the one
 #: before (white noise: 0.6); a memory of more samples than these is a sensor's bias.
 _RISES, _LONGEST_MEMORY = 0.85, 300
+#: The fit begins at so many memories c.  Of a first-order low-pass the Allan variance differs
+#: there from the two terms by 2 (c/τ) e^(-τ/c), 0.3 %: the model's own error.
+_OUTLASTS = 5.0
 
 
 def first_that_follows(problem: Problem) -> int:
@@ -44,7 +47,12 @@ def first_that_follows(problem: Problem) -> int:
         if abs(_contradiction(strict.part(slice(first, None)))) < limit:
             break
         first, shaped = first + 1, True
-    return first
+    if not shaped:
+        return 0
+    filtered = replace(problem.part(slice(first, None)), filtered=True)
+    outlast = _OUTLASTS * memory(solve(filtered, (Q, N, B, K)))
+    outlast = min(outlast, _OUTLASTS * _LONGEST_MEMORY * problem.tau[0])
+    return max(first, min(int(np.searchsorted(problem.tau, outlast)), most))
 
 
 def _inside_of_a_memory(problem: Problem) -> int:

@@ -35,7 +35,7 @@ _WORDS = {
     "saturates": "{} saturates: N may be too small.",
     "level": "The noise of {} does not keep its level: one N is not the sensor's.",
     "warm-up": "A warm-up in {}: fitted without it; see the time from which it is over.",
-    "ramp": "A ramp in {}: the output drifts steadily, which no term of a sensor block is.",
+    "ramp": "A ramp in {}: the output drifts steadily; no term of a sensor block stands for it.",
     "oscillation": "A slow oscillation in {}: not at rest, or not at a constant temperature; "
     "fitted without it.",
     "coarse": "Quantisation of {} is too coarse for the noise to carry slow changes over the "

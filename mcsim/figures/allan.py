@@ -100,7 +100,7 @@ def _draw_curve(result: ChannelResult, axes: Axes) -> None:
     axes.plot(
         tau[inside], fit.deviation(tau[inside]) * one, color="black", lw=0.9, label="fitted model"
     )
-    bottom = 0.4 * float(np.min(deviation))
+    bottom = 0.4 * min(float(np.min(deviation)), float(np.min(result.fitted.deviation)) * one)
     for term, index, label in (
         ("N", N, "N: slope −1/2"),
         ("B", B, "B: level 0.664 B"),
