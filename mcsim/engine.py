@@ -31,7 +31,14 @@ Array = NDArray[np.float64]
 CHUNK = 4096
 _FIRST_COUNT = 1000
 #: The run that a linear answer is held against, and by how much it may miss it.
-_CHECK = {"estimator": "control_variate", "realizations": 1000, "precision": None}
+_CHECK = {
+    "estimator": "control_variate",
+    "realizations": 1000,
+    "precision": None,
+    "offsets": "random",
+    "confidence": 3.0,  # at 95 %, two of forty statistics would miss it by chance
+    "resamples": 1000,
+}
 CONTRADICTION = 0.01
 _RMS = MOMENTS.index("rms")
 

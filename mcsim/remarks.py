@@ -81,6 +81,8 @@ def note_uncertain(
     if rare is not None:
         whole = np.maximum(np.sum(list(problem.linear.variances.values()), axis=0), 1e-300)
         share, seen = problem.linear.spike_variance() / whole, rare.events * count
+    controlled = settings.estimator == "control_variate" and count >= FEWEST_CONTROLLED
+    scatter = "what the linear model leaves" if controlled else "the scatter"
     for i, name in enumerate(problem.error_names):
         if count > 1 and share[i] > _MATTERS and seen[i] < SEEN:
             add_note(
@@ -94,7 +96,7 @@ def note_uncertain(
             add_note(
                 notes,
                 name,
-                "few realizations carry most of the scatter: the intervals are widened for it",
+                f"few realizations carry most of {scatter}: the intervals are widened for it",
             )
         if count > 1 and estimates.unbounded and not estimates.degenerate[i]:
             add_note(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mcsim import Scenario
+from mcsim import Scenario, run
 from mcsim.scenario.effect import RULES, without_effect
 from tests import conftest, strapdown
 
@@ -21,6 +21,22 @@ CASES = [
      {"monte_carlo.realizations": None, "monte_carlo.precision": "1 %"}),
     (conftest, {"monte_carlo.realizations": None, "monte_carlo.estimator": "linear"},
      "monte_carlo.precision", "1 %", {"monte_carlo.estimator": "plain"}),
+    *((conftest, {"monte_carlo.estimator": "linear"}, f"monte_carlo.{key}", value,
+       {"monte_carlo.estimator": "plain"})
+      for key, value in (("confidence", "95 %"), ("resamples", 200), ("offsets", "sobol"))),
+    *(case
+      for element, unit in (("accelerometer", "m/s²"), ("gyroscope", "°/s"))
+      for case in (
+          (conftest, {f"sensors.{element}.gauss_markov.deviation": f"0 {unit}"},
+           f"sensors.{element}.gauss_markov.correlation_time", "3 s",
+           {f"sensors.{element}.gauss_markov.deviation": [f"0 {unit}", f"0 {unit}", f"1 {unit}"]}),
+          (conftest, {f"sensors.{element}.spikes.rate": "0 Hz"},
+           f"sensors.{element}.spikes.amplitude", f"1 {unit}",
+           {f"sensors.{element}.spikes.rate": "1 Hz"}),
+          (conftest, {f"sensors.{element}.spikes.amplitude": f"0 {unit}"},
+           f"sensors.{element}.spikes.rate", "1 Hz",
+           {f"sensors.{element}.spikes.amplitude": f"1 {unit}"}),
+      )),
     (strapdown, {"reconstruction.algorithm": "planar"}, "initial.levelling", {"duration": "1 s"},
      {"reconstruction.algorithm": "strapdown"}),
     (conftest, {}, "trajectory.side_slip_profile", "bump", {"trajectory.side_slip": "1 °"}),
@@ -80,3 +96,16 @@ def test_the_note_names_file_and_line(tmp_path):
     path.write_text(text, encoding="utf-8")
     (sentence,) = without_effect(Scenario.from_yaml(path))
     assert sentence.startswith(f"{path}:9: monte_carlo.max_realizations has no effect")
+
+
+def test_the_check_of_a_linear_answer_is_the_same_whatever_its_intervals_would_be():
+    """At 95 % some of forty statistics would be called contradicted by chance."""
+
+    def notes(values):
+        scenario = conftest.scenario({"monte_carlo.estimator": "linear", **values})
+        return list(run(scenario).table["note"].fillna(""))
+
+    asked = {"confidence": "95 %", "resamples": 200, "offsets": "sobol"}
+    told = notes({f"monte_carlo.{key}": value for key, value in asked.items()})
+    assert told == notes({})
+    assert not any("contradicts" in note for note in told)

@@ -69,6 +69,27 @@ def _leans(axis: str) -> tuple[Rule, ...]:
     )
 
 
+def _beside_linear(key: str, reason: str) -> Rule:
+    return Rule(
+        f"monte_carlo.{key}",
+        ("monte_carlo.estimator",),
+        lambda model: model.monte_carlo.estimator == "linear",
+        reason,
+    )
+
+
+def _off(element: str, block: str, deciding: str, idle: str) -> Rule:
+    """A key of a block of ``element`` whose other key is zero."""
+
+    def off(model: Any) -> bool:
+        own = getattr(getattr(getattr(model, "sensors", None), element, None), block, None)
+        values = getattr(own, deciding, None)
+        return values is not None and not any(values if isinstance(values, tuple) else (values,))
+
+    path = f"sensors.{element}.{block}"
+    return Rule(f"{path}.{idle}", (f"{path}.{deciding}",), off, f"`{path}.{deciding}` is zero")
+
+
 RULES: tuple[Rule, ...] = (
     Rule(
         "monte_carlo.max_realizations",
@@ -76,11 +97,18 @@ RULES: tuple[Rule, ...] = (
         lambda model: model.monte_carlo.precision is None,
         "it ends a run to a `precision`, which is not asked for",
     ),
-    Rule(
-        "monte_carlo.precision",
-        ("monte_carlo.estimator",),
-        lambda model: model.monte_carlo.estimator == "linear",
-        "a linear answer has no intervals to narrow",
+    _beside_linear("precision", "a linear answer has no intervals to narrow"),
+    _beside_linear("confidence", "a linear answer has no intervals"),
+    _beside_linear("resamples", "a linear answer has no intervals"),
+    _beside_linear("offsets", "a linear answer draws no offsets"),
+    *(
+        rule
+        for element in ("accelerometer", "gyroscope")
+        for rule in (
+            _off(element, "gauss_markov", "deviation", "correlation_time"),
+            _off(element, "spikes", "rate", "amplitude"),
+            _off(element, "spikes", "amplitude", "rate"),
+        )
     ),
     Rule(
         "initial.levelling",
