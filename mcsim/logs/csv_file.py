@@ -289,7 +289,7 @@ class CsvFile:
 
 def _stamps(column: pd.Series[Any]) -> Numbers:
     """Dates and times in ns; nan where a cell holds nothing, inf where it holds no time."""
-    stamps, bad = nanoseconds(column.astype("object").where(column.notna(), None))
+    stamps, bad = nanoseconds(column.astype("object").where(column.notna(), None).tolist())
     if not np.any(bad):
         return stamps
     return np.where(column.isna(), np.nan, np.where(bad, np.inf, stamps.astype(float)))

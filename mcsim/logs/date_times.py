@@ -47,7 +47,7 @@ def nanoseconds(cells: Sequence[str | None]) -> tuple[NDArray[np.int64], NDArray
     parts = texts.where(~bad, "").str.extract(f"^{way}$")
 
     def whole(name: str) -> NDArray[np.int64]:
-        return parts[name].fillna("0").astype("int64").to_numpy(copy=True)
+        return np.array(parts[name].fillna("0"), np.int64)
 
     stamps = (whole("h") * 60 + whole("m")) * 60 + whole("s")
     offset = whole("zh") * 60 + whole("zm")
