@@ -124,8 +124,7 @@ def test_a_budget_says_the_limits_of_its_run():
     from tests.test_velocity_sensor import scenario as measured
 
     narrow, wide = (
-        course_of_uncertainty(measured({"range": r}).base, 200).limits
-        for r in ("0.5 g", "15 g")
+        course_of_uncertainty(measured({"range": r}).base, 200).limits for r in ("0.5 g", "15 g")
     )
     assert any("its range of" in text for text in narrow)
     assert wide == ()
