@@ -4,7 +4,8 @@ Realizations come in *nets* of consecutive ones.  All nets share one Sobol seque
 digits are scrambled by a random lower-triangular matrix (Matousek 1998); each net shifts
 it digitally by random numbers of its own (Owen 1995; L'Ecuyer & Lemieux 2000).  So every
 net is an independent, unbiased sample of its realizations, and statistics that treat
-nets as items keep right intervals.
+nets as items keep right intervals, if errors are smooth in what is drawn; where they jump, nets
+that hold what is rare are too few to tell how much nets scatter, and random points serve.
 """
 
 from __future__ import annotations
