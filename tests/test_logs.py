@@ -451,3 +451,9 @@ def test_the_advice_about_two_times_names_one_of_them(tmp_path):
         read_log(path)
     advice = str(caught.value).split("--columns '")[1].rstrip("'")
     check(read_log(path, ReadOptions(columns=advice)))
+
+
+def test_a_title_of_many_characters_takes_no_time(tmp_path):
+    path = write(tmp_path / "log.csv", [TIME, ACCEL], [*TITLES[:3], f"accel_z [{'(' * 40_000}"])
+    with pytest.raises(InputError, match="has no unit"):
+        read_log(path)

@@ -21,6 +21,8 @@ _KINDS = tuple(
     KINDS[name] for name in ("time", "acceleration", "angular rate", "speed", "length", "angle")
 )
 _BRACKETED = re.compile(r"[\[(]([^\[\]()]*(?:\([^()]*\))?[^\[\]()]*)[\])]")
+#: Longer titles (characters) hold no unit: patterns of brackets take the square of the length.
+_LONGEST = 400
 #: What stands in brackets and is no unit: an index or an axis.
 _INDEX = re.compile(r"\d|[xyzXYZ]|")
 #: A unit without brackets: "Time in ms", "Zeit / s" (DIN 461), "Accel_X  m/(s^2)", "time, s".
@@ -90,6 +92,8 @@ class Title:
 def split_title(text: str) -> Title:
     """Name and unit of a title such as ``az [m/s²]``, ``Time in ms`` or ``gyro_x_dps``."""
     text = " ".join(text.split())
+    if len(text) > _LONGEST:
+        return Title(text, text, "")
     brackets = [m for m in _BRACKETED.finditer(text) if not _INDEX.fullmatch(m[1].strip())]
     for match in [m for m in brackets if is_unit(m[1])][-1:]:
         return _of_bracket(text, match)
