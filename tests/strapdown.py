@@ -11,7 +11,7 @@ import numpy as np
 
 from mcsim import Scenario
 from mcsim.cases import problem_of
-from mcsim.cases.strapdown import integrated
+from mcsim.cases.undisturbed import integrated
 from mcsim.kernels import strapdown as kernel
 from mcsim.units import STANDARD_GRAVITY
 from tests.conftest import ALL_ERRORS, BASE

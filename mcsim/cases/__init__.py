@@ -54,7 +54,7 @@ def check_point(model: CaseScenario, folder: Path) -> int:
         See ``problem_of``.
     """
     if isinstance(model, PlanarScenario):
-        from mcsim.cases.planar import sample_count
+        from mcsim.cases.planar_samples import sample_count
         from mcsim.trajectory import drive_of
 
         return sample_count(drive_of(model.trajectory, folder), model.sensors.rate)
@@ -63,7 +63,7 @@ def check_point(model: CaseScenario, folder: Path) -> int:
 
         return step_count(model)
     if isinstance(model, StrapdownScenario):
-        from mcsim.cases.planar import sample_count
+        from mcsim.cases.planar_samples import sample_count
         from mcsim.trajectory import drive_of
         from mcsim.trajectory.spatial import check_lean
 

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.cases.strapdown import integrated
+from mcsim.cases.undisturbed import integrated
 from mcsim.kernels import strapdown
 from mcsim.units import KINDS, STANDARD_GRAVITY, parse
 

@@ -15,19 +15,15 @@ import numpy as np
 
 from mcsim.cases.lengths import length_quantile
 from mcsim.cases.limits import duration_limits
-from mcsim.cases.planar import (
-    CHANNELS,
-    PlanarProblem,
-    course_missing,
-    initial_deviations,
-    wrap,
-)
+from mcsim.cases.planar import CHANNELS, PlanarProblem, initial_deviations
 from mcsim.cases.planar_linear import beyond_controls
+from mcsim.cases.planar_samples import course_missing, wrap
 from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.cases.strapdown import CHANNELS as ALL_CHANNELS
 from mcsim.cases.strapdown import RATES as ALL_RATES
-from mcsim.cases.strapdown import sampled, signals_at_rest, tilt_deviations
+from mcsim.cases.strapdown_constants import signals_at_rest, tilt_deviations
 from mcsim.cases.strapdown_linear import position_moments
+from mcsim.cases.strapdown_samples import sampled
 from mcsim.scenario import StrapdownScenario
 from mcsim.sensors.error_model import Mixing, channel_errors, per_interval
 from mcsim.trajectory import Motion

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +23,9 @@ from mcsim.cases.planar_linear import (
     linear_model,
     linear_weights,
 )
+from mcsim.cases.planar_samples import course_missing, sampled, wrap
 from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.cases.running import LinearWeights, Sensors, adjoint_weights, run
-from mcsim.errors import InputError
 from mcsim.kernels import planar
 from mcsim.scenario import PlanarScenario
 from mcsim.scenario.planar import Initial
@@ -37,14 +37,10 @@ from mcsim.sensors.error_model import (
     channel_errors,
     per_interval,
 )
-from mcsim.sensors.low_pass import behind_low_pass
 from mcsim.sensors.measurement import Measurement, NormalWeights
-from mcsim.sensors.sampling import DENSE_RATE, Signals, oversampling, power_beyond, sample
-from mcsim.trajectory import Drive, Motion, drive_of
+from mcsim.trajectory import Motion, drive_of
 from mcsim.units import STANDARD_GRAVITY
 
-#: Dense samples of the truth and samples of a drive whose arrays fit in memory (some 2 GB).
-_MOST_DENSE_SAMPLES, _MOST_SAMPLES = 20_000_000, 3_000_000
 #: Forward and left acceleration, yaw rate.
 CHANNELS = (Channel(ACCELEROMETER, 0), Channel(ACCELEROMETER, 1), Channel(GYROSCOPE, 2))
 RATES = (False, False, True)
@@ -89,7 +85,7 @@ class PlanarProblem:
         drive = drive_of(model.trajectory, folder)
         sensors = model.sensors
         errors = channel_errors(sensors, CHANNELS, drive.duration, _AT_REST, further=_VERTICAL)
-        samples = _sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
+        samples = sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
         signals = samples.signals
         if errors.mixing:
             # Gravity is not measured, but shows by misalignment and g-sensitivity.
@@ -339,28 +335,6 @@ class PlanarProblem:
         return LinearWeights(samples, constants)
 
 
-@dataclass(frozen=True)
-class _Samples:
-    """Ideal samples (n + 1, 3), turns per interval last, and the truth at their times."""
-
-    signals: Array
-    truth: Motion
-    beyond_rate: Array
-
-
-@lru_cache(maxsize=64)
-def _sampled(drive: Drive, rate: float, method: str, bandwidths: tuple[float, ...]) -> _Samples:
-    """What does not change while only sensor errors are swept."""
-    count = sample_count(drive, rate)
-    ideal: Signals = drive.signals
-    if not all(map(math.isinf, bandwidths)):
-        ideal = behind_low_pass(ideal, bandwidths, -drive.lead, rate, count)
-    signals = sample(ideal, -drive.lead, rate, count, method).T
-    truth = drive.motion(-drive.lead + np.arange(count + 1) / rate)
-    beyond = power_beyond(ideal, -drive.lead, rate, count)
-    return _Samples(np.ascontiguousarray(signals * [1.0, 1.0, 1.0 / rate]), truth, beyond)
-
-
 def initial_deviations(initial: Initial) -> Array:
     """Standard deviations (4,) of the initial speed, direction, heading and course."""
     return np.array(
@@ -378,38 +352,6 @@ def rarer(*events: float) -> float:
     return min((e for e in events if e > 0.0), default=0.0)
 
 
-def wrap(angle: Array) -> Array:
-    """Angles in (-pi, pi]."""
-    return angle - 2.0 * np.pi * np.ceil((angle - np.pi) / (2.0 * np.pi))
-
-
 def _still(truth: Motion) -> float:
     """Speed below which a vehicle counts as standing."""
     return 1e-9 * float(np.max(truth.speed))
-
-
-def course_missing(drive: Drive) -> Mapping[str, str]:
-    """Why the course at the end is undefined, if it is."""
-    if drive.manoeuvre.stops:
-        return {
-            "course": "the vehicle comes to rest within the last interval: its course is undefined"
-        }
-    return {}
-
-
-def sample_count(drive: Drive, rate: float) -> int:
-    """Number of the last sample that the drive holds."""
-    count = math.floor(drive.duration * rate * (1.0 + 1e-12) + 1e-9)
-    if count < 1:
-        raise InputError(
-            f"sensors.rate: the drive lasts {drive.duration:.4g} s, less than one sampling "
-            f"interval; use a rate above {1.0 / drive.duration:.4g} Hz"
-        )
-    if count * oversampling(rate) > _MOST_DENSE_SAMPLES or count > _MOST_SAMPLES:
-        slower = drive.duration * DENSE_RATE < _MOST_DENSE_SAMPLES  # a lower rate would do
-        raise InputError(
-            f"trajectory: the drive lasts {drive.duration:.4g} s, {count:,} samples at "
-            f"{rate:g} Hz, more than mcsim can hold; shorten it"
-            f"{', or lower `sensors.rate`' if slower else ''}"
-        )
-    return count

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +24,21 @@ from mcsim.cases.limits import (
 from mcsim.cases.nets import net_normals
 from mcsim.cases.own import own_system
 from mcsim.cases.planar import CHANNELS as PLANAR_CHANNELS
-from mcsim.cases.planar import SIGNAL_NAMES, course_missing, rarer, sample_count, wrap
+from mcsim.cases.planar import SIGNAL_NAMES, rarer
+from mcsim.cases.planar_samples import course_missing, wrap
 from mcsim.cases.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.cases.running import LinearWeights, Sensors, adjoint_weights, run
+from mcsim.cases.strapdown_constants import (
+    DEVIATIONS,
+    FIRST,
+    FORCE,
+    OFFSETS,
+    REST,
+    initial_deviations,
+    signals_at_rest,
+)
 from mcsim.cases.strapdown_linear import Weights, linear_model, linear_weights
+from mcsim.cases.strapdown_samples import sampled
 from mcsim.kernels import strapdown
 from mcsim.scenario import StrapdownScenario
 from mcsim.sensors.error_model import (
@@ -38,12 +49,8 @@ from mcsim.sensors.error_model import (
     channel_errors,
     per_interval,
 )
-from mcsim.sensors.layout import no_terms
-from mcsim.sensors.low_pass import behind_low_pass
 from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights
-from mcsim.sensors.sampling import Signals, power_beyond, sample
-from mcsim.trajectory.spatial import SpatialDrive, SpatialMotion, spatial_drive
-from mcsim.units import STANDARD_GRAVITY
+from mcsim.trajectory.spatial import SpatialMotion, spatial_drive
 
 #: The planar case's channels, then those that it does not have: up, roll rate, pitch rate.
 CHANNELS = (
@@ -107,7 +114,7 @@ class StrapdownProblem:
         return cls(
             signals=samples.signals,
             sensor_errors=errors,
-            initial_deviations=_initial_deviations(model),
+            initial_deviations=initial_deviations(model),
             truth=samples.truth,
             rest=rest,
             levelled=levelling is not None,
@@ -253,7 +260,7 @@ class StrapdownProblem:
         if "course" in self.missing:
             end = end._replace(course=math.nan)
         fixed = self._deviations(m) if disturbed else np.zeros(strapdown.Strapdown.CONSTANTS)
-        deviations = strapdown.Deviations(*map(float, fixed[_DEVIATIONS]))
+        deviations = strapdown.Deviations(*map(float, fixed[DEVIATIONS]))
         second_order = self.rule in ("trapezoidal", "two_sample")
         turns = [m.largest(self.signals, turn) for turn in strapdown.TURNS]
         kind: type[strapdown.Strapdown] = self._own or strapdown.Strapdown
@@ -349,10 +356,10 @@ class StrapdownProblem:
     def _deviations(self, m: Measurement) -> Array:
         """Standard deviations (24,) of the constants, in the kernel's order."""
         deviations = self.initial_deviations.copy()
-        deviations[_OFFSETS] = m.offsets
+        deviations[OFFSETS] = m.offsets
         if self.rule != "forward_euler":
-            deviations[_FIRST] = m.white
-        deviations[_REST] = [m.means[channel].deviation for channel in _FORCE]
+            deviations[FIRST] = m.white
+        deviations[REST] = [m.means[channel].deviation for channel in FORCE]
         return deviations
 
     @cached_property
@@ -368,134 +375,13 @@ class StrapdownProblem:
         fixed = strapdown.Strapdown.CONSTANTS
         constants = np.zeros((7, fixed + w.mixing.shape[1]))
         constants[:, :fixed] = self.weights.initial * self.initial_deviations
-        constants[:, _OFFSETS] = w.offsets
-        constants[:, _FIRST] = w.samples[:, 0]
-        constants[:, _REST] = w.levelling[:, _FORCE]
+        constants[:, OFFSETS] = w.offsets
+        constants[:, FIRST] = w.samples[:, 0]
+        constants[:, REST] = w.levelling[:, FORCE]
         constants[:, fixed:] = w.mixing
         return LinearWeights(samples, constants)
-
-
-#: Constants of the channels' offsets and of their noise at sample 0, in channel order.
-_OFFSETS = [0, 1, 2, strapdown.SPATIAL, strapdown.SPATIAL + 1, strapdown.SPATIAL + 2]
-_FIRST = [
-    *range(strapdown.FIRST_PLANAR, strapdown.FIRST_PLANAR + 3),
-    *range(strapdown.FIRST_SPATIAL, strapdown.FIRST_SPATIAL + 3),
-]
-
-
-#: Constants of the mean specific force at rest, and the channels that it is the mean of.
-_REST, _FORCE = [strapdown.REST, strapdown.REST + 1, strapdown.REST + 2], [0, 1, 3]
-
-
-#: Constants in the order of ``Deviations``.
-_DEVIATIONS = [
-    *_OFFSETS,
-    strapdown.SPEED,
-    strapdown.DIRECTION,
-    strapdown.HEADING,
-    strapdown.COURSE,
-    strapdown.ROLL,
-    strapdown.PITCH,
-    *_REST,
-]
-
-
-def signals_at_rest(force: Array) -> Array:
-    """True signals (6,) of a vehicle at rest under the specific force (3,): forward, left, up."""
-    signals = np.zeros(strapdown.Strapdown.CHANNELS)
-    signals[_FORCE] = force
-    return signals
 
 
 def _angles(truth: SpatialMotion) -> Array:
     attitude = truth.attitude
     return np.stack([attitude.roll, attitude.pitch, attitude.heading])
-
-
-def _per_interval(rate: float) -> Array:
-    """Factors (6,) from rates to turns per interval."""
-    factors = np.ones(strapdown.Strapdown.CHANNELS)
-    factors[list(strapdown.TURNS)] = 1.0 / rate
-    return factors
-
-
-def _initial_deviations(model: StrapdownScenario) -> Array:
-    """Standard deviations (24,) of the initial errors, in the places of the kernel's constants."""
-    initial = model.initial
-    deviations = np.zeros(strapdown.Strapdown.CONSTANTS)
-    deviations[strapdown.SPEED] = initial.speed_error
-    deviations[strapdown.DIRECTION] = initial.direction_error
-    deviations[strapdown.HEADING] = initial.heading_error
-    deviations[strapdown.COURSE] = initial.course_error
-    deviations[[strapdown.ROLL, strapdown.PITCH]] = tilt_deviations(model)
-    return deviations
-
-
-def integrated(
-    start: strapdown.Motion,
-    rows: Array,
-    rule: str,
-    interval: float,
-    previous_share: float = 0.5,
-    gravity: float = STANDARD_GRAVITY,
-) -> Array:
-    """States (9, n + 1) that undisturbed samples (n + 1, 6) are integrated to from ``start``.
-
-    Position and velocity (along, across, height), roll, pitch, heading; ``rows`` hold turns per
-    interval, one row late for the forward Euler rule.
-    """
-    kind = strapdown.Strapdown
-    nothing = np.zeros(kind.CHANNELS)
-    second_order = rule in ("trapezoidal", "two_sample")
-    turns = np.max(np.abs(rows[:, strapdown.TURNS]), axis=0)
-    system = kind(
-        way=strapdown.way_of(rule, float(np.linalg.norm(turns))),
-        interval=interval,
-        gravity=gravity,
-        previous_share=previous_share if second_order else 0.0,
-        coning=1.0 / 12.0 if rule == "two_sample" else 0.0,
-        draws=False,
-        levelled=False,
-        rest=strapdown.Force(0.0, 0.0, gravity),
-        deviations=strapdown.NO_DEVIATIONS,
-        start=start,
-        end=strapdown.AT_ORIGIN,
-    )
-    history = np.empty((kind.HISTORY, len(rows), 1))
-    sensors = Sensors(rows, nothing, no_terms(kind.CHANNELS))
-    run(system, 0, 0, 1, sensors, history=history)
-    return history[:, :, 0]
-
-
-def tilt_deviations(model: StrapdownScenario) -> tuple[float, float]:
-    """Standard deviations of the initial errors of roll and pitch (rad)."""
-    initial = model.initial
-    return (
-        math.hypot(initial.tilt_error, initial.roll_error),
-        math.hypot(initial.tilt_error, initial.pitch_error),
-    )
-
-
-@dataclass(frozen=True)
-class Samples:
-    """Ideal samples (n + 1, 6), rates as turns per interval, and the truth at their times."""
-
-    signals: Array
-    truth: SpatialMotion
-    beyond_rate: Array
-
-
-@lru_cache(maxsize=64)
-def sampled(
-    drive: SpatialDrive, rate: float, method: str, bandwidths: tuple[float, ...]
-) -> Samples:
-    """What does not change while only sensor errors are swept."""
-    plane = drive.drive
-    count = sample_count(plane, rate)
-    ideal: Signals = drive.signals
-    if not all(map(math.isinf, bandwidths)):
-        ideal = behind_low_pass(ideal, bandwidths, -plane.lead, rate, count)
-    signals = sample(ideal, -plane.lead, rate, count, method).T
-    truth = drive.motion(-plane.lead + np.arange(count + 1) / rate)
-    beyond = power_beyond(ideal, -plane.lead, rate, count)
-    return Samples(np.ascontiguousarray(signals * _per_interval(rate)), truth, beyond)

@@ -145,6 +145,7 @@ def run(
     quiet: bool,
 ) -> None:
     """Run scenarios; write tables, figures and provenance."""
+    from mcsim.cli.plan import plan
     from mcsim.results import check
 
     if own and dask is not None:
@@ -157,7 +158,7 @@ def run(
         check(scenario)
     if dry_run:
         for scenario in read:
-            click.echo(_plan(scenario))
+            click.echo(plan(scenario))
             _note_without_effect(scenario)
         return
     failures = []
@@ -390,21 +391,3 @@ def _raise_failures(failures: list[str]) -> None:
         raise PartialError(
             "\n".join([f"{len(failures)} point(s) failed; the others are written:", *shown])
         )
-
-
-def _plan(scenario: Scenario) -> str:
-    from mcsim.cases import problem_of
-
-    settings = scenario.base.monte_carlo
-    count = (
-        f"{settings.realizations:,} realizations"
-        if settings.realizations
-        else f"up to {settings.most_realizations:,} realizations"
-    )
-    lines = [f"{scenario.name}: {scenario.n_points} point(s), {count} each"]
-    for axis in scenario.axes:
-        first, last = axis.written(axis.values[0]), axis.written(axis.values[-1])
-        lines.append(f"  {axis.path}: {len(axis.values)} value(s), {first} … {last}")
-    problem = problem_of(scenario.points[0].model, scenario.folder)
-    lines.append(f"  {problem.n_samples} samples per realization at the first point")
-    return "\n".join(lines)
