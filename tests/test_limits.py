@@ -139,3 +139,12 @@ def test_velocity_says_its_limits():
     ] == []
     tilted = velocity(trajectory__mounting_angle="0.4 rad")
     assert any("tilt.order" in t for t in texts(problem_of(tilted.base, tilted.folder), 50))
+
+
+def test_a_range_out_of_reach_is_no_limit():
+    """A named sensor has steps and a range; only one within reach makes errors abrupt."""
+    far = problem({"sensors.accelerometer": "MPU-9250"})
+    assert np.isfinite(far.measurement.ranges).any()
+    assert not any(limit.abrupt for limit in far.limits(1, 200))
+    near = problem({"sensors.accelerometer": {"model": "MPU-9250", "range": "0.3 g"}})
+    assert any(limit.abrupt for limit in near.limits(1, 200))

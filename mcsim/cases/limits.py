@@ -74,7 +74,7 @@ def _ranges(
     """Ranges that can be reached, with the realizations that differ from those without them."""
     elements = np.array(measurement.errors.elements)
     ranges = measurement.ranges
-    if not np.any(np.isfinite(ranges)):
+    if not measurement.ranged:
         return
     disturbed = simulate(measurement)
     largest = np.max(np.abs(signals[:, : len(elements)]), axis=0)

@@ -69,7 +69,8 @@ class Measurement:
 
     ``white`` and ``offsets`` (c,) serve the fast paths, ``terms`` the other ones; these are
     empty where white noise and offsets are all there is.  ``means`` are those at the rest that
-    levels the attitude, ``first`` the row of ``signals`` that is the first sample after it.
+    levels the attitude, ``first`` the row of ``signals`` that is the first sample after it;
+    ``ranged`` tells whether any realization can reach a range.
     """
 
     errors: ChannelErrors
@@ -86,6 +87,7 @@ class Measurement:
     ranges: Array
     resolutions: Array
     first: int = 0
+    ranged: bool = False
 
     @classmethod
     def of(
@@ -150,6 +152,7 @@ class Measurement:
             ranges=errors.ranges if digital else np.zeros(0),
             resolutions=errors.resolutions if digital else np.zeros(0),
             first=first,
+            ranged=ranged,
         )
 
     @classmethod
