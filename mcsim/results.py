@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import re
 from collections.abc import Iterator
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 COLUMNS = ("error", "statistic", "value", "ci_low", "ci_high", "unit", "realizations", "note")
 #: What rows hold besides estimates: the error of the undisturbed reconstruction.
 METHOD = "method"
+#: Whether results say nothing of when and where they were made.
+_REPRODUCIBLE = "SOURCE_DATE_EPOCH" in os.environ
 _MOST_HISTORY_ROWS = 20_000_000
 #: Smaller shares of the variance are rounding.
 _LEAST_SHARE = 1e-20
@@ -240,19 +243,29 @@ def _provenance(
             for index, reason in sweep.failures.items()
         ],
         "remarks": remarks,
-        "seconds": round(seconds, 3),
+        **({} if _REPRODUCIBLE else {"seconds": round(seconds, 3)}),
     }
 
 
 def circumstances(scenario: Scenario) -> dict[str, Any]:
-    """What was computed, with what, and when: the part of the provenance that all results have."""
-    packages = ("numpy", "numba", "scipy", "pandas")
+    """What was computed, with what, and when: the part of the provenance that all results have.
+
+    Where ``SOURCE_DATE_EPOCH`` is set, the convention of reproducible builds, it says nothing of
+    time and machine, so that the same numbers make the same files.
+    """
     return {
         "mcsim": __version__,
         "name": scenario.name,
         "seed": scenario.base.monte_carlo.seed,
         "scenario": scenario.document.tree,
         "resolved": scenario.base.model_dump(mode="json", exclude_none=True),
+        **({} if _REPRODUCIBLE else _time_and_machine()),
+    }
+
+
+def _time_and_machine() -> dict[str, Any]:
+    packages = ("numpy", "numba", "scipy", "pandas")
+    return {
         "versions": {
             "python": platform.python_version(),
             **{name: metadata.version(name) for name in packages},
