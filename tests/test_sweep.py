@@ -397,3 +397,10 @@ def test_a_run_interrupted_before_its_first_point_leaves_nothing(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         interrupted()
     assert files_of(tmp_path / "case") == ["table.csv"]
+
+
+def test_reproducible_provenance_says_nothing_of_time_and_machine(monkeypatch):
+    usual = circumstances(scenario())
+    monkeypatch.setattr("mcsim.results._REPRODUCIBLE", True)
+    same = circumstances(scenario())
+    assert set(usual) - set(same) == {"versions", "platform", "finished"}
