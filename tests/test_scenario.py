@@ -396,3 +396,8 @@ def test_the_most_realizations_belong_to_a_precision():
     # What the command line does with `--realizations`.
     none = {"monte_carlo.precision": None, "monte_carlo.max_realizations": None}
     assert s.with_values({"monte_carlo.realizations": 50, **none}).base.monte_carlo.realizations
+
+
+def test_a_number_of_thousands_of_digits_is_named_with_its_line():
+    text = BASE_YAML.replace("seed: 1", "seed: " + 5000 * "9")
+    assert ":9: a number of more than 4000 digits" in refuse(text)

@@ -19,6 +19,8 @@ LARGEST_FILE = 1 << 18
 LARGEST_TREE = 100_000
 DEEPEST_TREE = 50
 MOST_BRACKETS = 200
+_MOST_DIGITS_READ = 4000
+_ENDLESS = re.compile(rf"\d{{{_MOST_DIGITS_READ + 1}}}")
 _BRACKETS = re.compile(r"[\[\]{}]")
 #: A whole number of more digits is a slip, and one of thousands Python will not even print.
 _MOST_DIGITS = 40
@@ -118,6 +120,7 @@ def _load_yaml(text: str, source: str) -> Any:
     from ruamel.yaml.error import MarkedYAMLError
 
     _refuse_brackets(text, source)
+    _refuse_endless_numbers(text, source)
     try:
         return YAML(typ="rt", pure=True).load(StringIO(text))
     except MarkedYAMLError as error:
@@ -133,6 +136,14 @@ def _load_yaml(text: str, source: str) -> Any:
     except Exception as error:  # what else a reader of strange text may raise
         first = (str(error) or type(error).__name__).split("\n")[0]
         raise InputError(f"{source}: not YAML ({first})") from None
+
+
+def _refuse_endless_numbers(text: str, source: str) -> None:
+    """Python reads no whole number of more digits than this, and says so to programmers."""
+    match = _ENDLESS.search(text)
+    if match is not None:
+        line = text.count("\n", 0, match.start()) + 1
+        raise InputError(f"{source}:{line}: a number of more than {_MOST_DIGITS_READ} digits")
 
 
 def _refuse_brackets(text: str, source: str) -> None:
