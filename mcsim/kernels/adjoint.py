@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.kernels.compilation import kernel, scalar
+from mcsim.kernels.lane_loops import row_of
 from mcsim.kernels.lanes import LANES
 from mcsim.kernels.measurement import make_scratch
 from mcsim.kernels.system import (
@@ -62,11 +63,6 @@ def _slope(row, number, step):
     return (8.0 * (row[first + 2] - row[first + 1]) - far) / (12.0 * step)
 
 
-@scalar
-def _row(array, number):
-    return array[number * LANES : (number + 1) * LANES]
-
-
 @kernel
 def adjoint(
     system: Any, sensors: Sensors, samples: Array, constants_weights: Array, states: Array
@@ -108,20 +104,20 @@ def adjoint(
     _end(system, states[n], rows, steps, sensitivity)
     for i in range(n, 0, -1):
         for row in range(size):
-            steps[row] = _vary(_row(rows, row), row, states[i - 1, row])
+            steps[row] = _vary(row_of(rows, row), row, states[i - 1, row])
         for channel in range(n_channels):
             number = size + channel
-            steps[number] = _vary(_row(measured, channel), number, signals[i, channel])
+            steps[number] = _vary(row_of(measured, channel), number, signals[i, channel])
         advance(system, measured, rows)
         for row in range(size):
             for number in range(size + n_channels):
-                jacobian[row, number] = _slope(_row(rows, row), number, steps[number])
+                jacobian[row, number] = _slope(row_of(rows, row), number, steps[number])
         moved = sensitivity @ jacobian
         samples[:, i] = moved[:, size:]
         sensitivity[:] = moved[:, :size]
     # Sample 0, then what is drawn once, one block of normals after the other.
     for channel in range(n_channels):
-        steps[channel] = _vary(_row(measured, channel), channel, signals[0, channel])
+        steps[channel] = _vary(row_of(measured, channel), channel, signals[0, channel])
     _start(system, constants, sensors, scratch, measured, rows)
     for channel in range(n_channels):
         samples[:, 0, channel] = sensitivity @ _slopes(rows, size, channel, steps[channel])
@@ -130,11 +126,11 @@ def adjoint(
         last = min(first + MOST_VARIED, n_constants)
         constants[:] = 0.0
         for number in range(first, last):
-            _vary(_row(constants, number), number - first, 0.0)
+            _vary(row_of(constants, number), number - first, 0.0)
         _start(system, constants, sensors, scratch, measured, rows)
         for number in range(first, last):
             # What float32 makes of the step.
-            step = 0.5 * np.float64(_row(constants, number)[(number - first) * _POINTS + 3])
+            step = 0.5 * np.float64(row_of(constants, number)[(number - first) * _POINTS + 3])
             slopes = _slopes(rows, size, number - first, step)
             constants_weights[:, number] = sensitivity @ slopes
 
@@ -143,14 +139,14 @@ def adjoint(
 def _slopes(rows, size, number, step):
     found = np.empty(size)
     for row in range(size):
-        found[row] = _slope(_row(rows, row), number, step)
+        found[row] = _slope(row_of(rows, row), number, step)
     return found
 
 
 @scalar
 def _read(signals, i, measured):
     for channel in range(len(measured) // LANES):
-        _row(measured, channel)[:] = signals[i, channel]
+        row_of(measured, channel)[:] = signals[i, channel]
 
 
 @scalar
@@ -171,7 +167,7 @@ def _end(system, state, rows, steps, sensitivity):
     """Derivatives of the linear errors with respect to the last state."""
     errors = np.empty((len(linear_rows(system)) + 2, LANES))
     for row in range(len(state)):
-        steps[row] = _vary(_row(rows, row), row, state[row])
+        steps[row] = _vary(row_of(rows, row), row, state[row])
     finish(system, rows, 0, LANES, errors)
     wanted = linear_rows(system)
     for e in range(len(wanted)):
