@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from mcsim.errors import InputError, UnitError
+from mcsim.registry import suggest
 from mcsim.scenario.document import Document, with_value
 from mcsim.scenario.paths import (
     NOT_SWEPT,
@@ -17,7 +18,6 @@ from mcsim.scenario.paths import (
     axis_advice,
     find_scalar,
     split_path,
-    suggest,
     writable,
 )
 from mcsim.scenario.run import Range

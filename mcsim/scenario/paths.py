@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import types
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -77,12 +76,6 @@ def axis_advice(model: type[BaseModel], tree: Any, path: str) -> str | None:
     if not has_list:
         by_axis += f", after writing a list `{key}: [x, y, z]` in the scenario"
     return f"there is no `{path}`: write `{whole}` for all axes, or {by_axis}"
-
-
-def suggest(word: str, known: Any) -> str:
-    """``; did you mean "…"?`` or nothing."""
-    close = difflib.get_close_matches(word, list(known), n=1, cutoff=0.6)
-    return f'; did you mean "{close[0]}"?' if close else ""
 
 
 def _walk(annotation: Any, path: str, metadata: tuple[Any, ...] = ()) -> Iterator[Scalar]:

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field
 
+from mcsim.registry import suggest
 from mcsim.scenario.fields import reject
-from mcsim.scenario.paths import suggest
 
 #: Our own rules by case, the default first.
 SHIPPED = {

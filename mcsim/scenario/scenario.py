@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from mcsim.errors import InputError
+from mcsim.registry import suggest
 from mcsim.scenario.axes import Axis, Value, read_axes
 from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.document import (
@@ -22,7 +23,7 @@ from mcsim.scenario.document import (
     read_document,
     with_value,
 )
-from mcsim.scenario.paths import axis_advice, scalars, split_path, suggest
+from mcsim.scenario.paths import axis_advice, scalars, split_path
 from mcsim.scenario.planar import PlanarScenario
 from mcsim.scenario.strapdown import StrapdownScenario
 from mcsim.scenario.validation import validate

@@ -9,9 +9,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from mcsim.errors import InputError, UnitError
+from mcsim.registry import suggest
 from mcsim.scenario.document import Document, PathKey, get_path
 from mcsim.scenario.fields import Quantity
-from mcsim.scenario.paths import suggest
 from mcsim.scenario.sensor_block import OneOrThree
 from mcsim.units import in_unit, split
 
