@@ -26,10 +26,10 @@ import numpy as np
 
 from benchmarks.baselines import naive_numba, plain_numpy
 from mcsim import Scenario
-from mcsim.cases import problem_of
 from mcsim.engine import run_point
 from mcsim.statistics import Collector, estimate
 from mcsim.sweep import run_sweep
+from mcsim.systems import problem_of
 from mcsim.version import __version__
 
 BASE = Path(__file__).resolve().parent.parent / "scenarios" / "paper" / "figure1.yaml"

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from mcsim.cases.problem import Problem
 from mcsim.engine import collect, random_key, run_point
 from mcsim.estimation import LOOKED_AT
 from mcsim.scenario.run import MonteCarlo
+from mcsim.simulation.problem import Problem
 from mcsim.statistics import estimate, statistic_names
 from tests.conftest import ALL_ERRORS, problem, scenario
 from tests.strapdown import problem as problem_in_space

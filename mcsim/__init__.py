@@ -58,10 +58,10 @@ from mcsim.version import __version__
 
 if TYPE_CHECKING:
     from mcsim.api import run
-    from mcsim.cases.own import add_rule
     from mcsim.results import Results
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
     from mcsim.store import load
+    from mcsim.systems.own_rules import add_rule
 
 __all__ = [
     "InputError",
@@ -75,9 +75,9 @@ __all__ = [
 ]
 
 _WHERE = {
-    "add_rule": "mcsim.cases.own",
+    "add_rule": "mcsim.systems.own_rules",
     "Results": "mcsim.results",
-    "Scenario": "mcsim.scenario",
+    "Scenario": "mcsim.scenario_file",
     "load": "mcsim.store",
     "run": "mcsim.api",
 }

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mcsim.errors import McsimError
 from mcsim.results import Results, assemble, check
-from mcsim.scenario import Scenario
+from mcsim.scenario_file import Scenario
 from mcsim.store import Checkpoint, save
 from mcsim.sweep import Progress, run_sweep
 from mcsim.writing import alone_in

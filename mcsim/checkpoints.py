@@ -16,7 +16,7 @@ from mcsim.engine import PointResult
 from mcsim.errors import InputError
 from mcsim.files import check_file, readable
 from mcsim.results import statistics_of
-from mcsim.scenario import Scenario
+from mcsim.scenario_file import Scenario
 from mcsim.statistics import Estimates
 from mcsim.version import __version__
 from mcsim.writing import readable_errors, write_whole

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.cases import Problem
-from mcsim.cases.problem import Limit
 from mcsim.estimation import LOOKED_AT, limit_texts, reference, takes_nets
 from mcsim.remarks import (
     Notes,
@@ -23,6 +21,7 @@ from mcsim.remarks import (
     without_effect,
 )
 from mcsim.scenario.run import MonteCarlo
+from mcsim.simulation.problem import Limit, Problem
 from mcsim.statistics import KEPT, MOMENTS, Collector, Estimates, estimate, statistic_names
 
 Array = NDArray[np.float64]

@@ -11,11 +11,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.cases import Problem
-from mcsim.cases.limits import may_wrap
-from mcsim.cases.problem import Limit
 from mcsim.scenario.error_names import UNITS
 from mcsim.scenario.run import MonteCarlo
+from mcsim.simulation.limits import may_wrap
+from mcsim.simulation.problem import Limit, Problem
 from mcsim.statistics import Rare, Reference
 
 #: With fewer realizations the fitted coefficients of control variates would pretend

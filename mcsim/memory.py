@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mcsim.errors import InputError
-from mcsim.scenario import Point, Scenario
+from mcsim.scenario_file import Point, Scenario
 from mcsim.statistics import KEPT, MOMENTS
 
 #: What one point may ask for (bytes).

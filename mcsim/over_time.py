@@ -15,15 +15,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.cases import History, problem_of
 from mcsim.engine import PointResult, point_key
 from mcsim.estimation import LOOKED_AT, takes_nets
 from mcsim.memory import HISTORY_REALIZATIONS, history_realizations
-from mcsim.scenario import UNITS, Point, Scenario
+from mcsim.scenario import UNITS
 from mcsim.scenario.error_names import ErrorName
+from mcsim.scenario_file import Point, Scenario
+from mcsim.simulation.problem import History
 from mcsim.statistics import statistic_names
 from mcsim.statistics.collector import cell_size
 from mcsim.sweep import SweepResult
+from mcsim.systems import problem_of
 from mcsim.units import degrees
 
 if TYPE_CHECKING:

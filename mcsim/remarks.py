@@ -6,10 +6,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from mcsim.cases import Problem
-from mcsim.cases.problem import Limit
 from mcsim.estimation import FEWEST_CONTROLLED, SEEN, rare_events, unsmooth
 from mcsim.scenario.run import MonteCarlo
+from mcsim.simulation.problem import Limit, Problem
 from mcsim.statistics import Estimates
 from mcsim.statistics.collector import MOST_NETS, cell_size
 

@@ -17,8 +17,9 @@ from mcsim.engine import PointResult
 from mcsim.errors import InputError
 from mcsim.memory import check_memory
 from mcsim.over_time import HISTORY_STATISTICS, TIME, over_time
-from mcsim.scenario import UNITS, CaseScenario, ErrorRow, Point, Scenario
-from mcsim.scenario.effect import without_effect
+from mcsim.scenario import UNITS, CaseScenario, ErrorRow
+from mcsim.scenario_file import Point, Scenario
+from mcsim.scenario_file.effect import without_effect
 from mcsim.statistics import statistic_names
 from mcsim.sweep import SweepResult, check_points, describe_point
 from mcsim.trajectory import drive_notes

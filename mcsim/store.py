@@ -11,7 +11,7 @@ from mcsim.checkpoints import Checkpoint
 from mcsim.errors import InputError
 from mcsim.files import readable
 from mcsim.results import Results
-from mcsim.scenario import Scenario
+from mcsim.scenario_file import Scenario
 from mcsim.stored_tables import (
     MARKS,
     PROVENANCE,

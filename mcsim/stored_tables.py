@@ -13,7 +13,7 @@ from mcsim.errors import InputError
 from mcsim.files import check_file, readable
 from mcsim.over_time import TIME
 from mcsim.results import COLUMNS, coordinate_columns
-from mcsim.scenario import Scenario
+from mcsim.scenario_file import Scenario
 
 if TYPE_CHECKING:
     import pandas as pd

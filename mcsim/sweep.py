@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from mcsim.cases import check_point, problem_of
 from mcsim.engine import PointResult, point_key, run_point
 from mcsim.errors import InputError, McsimError
 from mcsim.processors import default_jobs
-from mcsim.scenario import Point, Scenario
+from mcsim.scenario_file import Point, Scenario
+from mcsim.systems import check_point, problem_of
 
 
 class Progress(Protocol):

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import settings
 
 from mcsim import Scenario
-from mcsim.cases import problem_of
 from mcsim.sensors.signal_errors import signal_errors
+from mcsim.systems import problem_of
 
 # The same examples on every machine and in every run; "--hypothesis-profile explore" draws
 # others each time.

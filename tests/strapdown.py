@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from mcsim import Scenario
-from mcsim.cases import problem_of
-from mcsim.cases.undisturbed import integrated
 from mcsim.kernels import strapdown as kernel
+from mcsim.systems import problem_of
+from mcsim.systems.strapdown.undisturbed import integrated
 from mcsim.units import STANDARD_GRAVITY
 from tests.conftest import ALL_ERRORS, BASE
 

@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from mcsim.cases.running import Sensors, run
 from mcsim.kernels import planar
+from mcsim.simulation.running import Sensors, run
 from tests.conftest import problem
 from tests.reference import random_numpy
 

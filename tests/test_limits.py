@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import mcsim
-from mcsim.cases import problem_of
 from mcsim.engine import run_point
 from mcsim.sensors.sampling import power_beyond
+from mcsim.systems import problem_of
 from tests import strapdown
 from tests.conftest import ALL_ERRORS, problem, scenario
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from mcsim.cases.lengths import length_quantile, mean_length
 from mcsim.kernels.planar import Motion
+from mcsim.simulation.lengths import length_quantile, mean_length
 from tests.conftest import ALL_ERRORS, NO_NOISE, problem
 
 EVERYTHING = {

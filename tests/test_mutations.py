@@ -16,7 +16,7 @@ from ruamel.yaml import YAML
 
 from mcsim import InputError
 from mcsim.results import check
-from mcsim.scenario import Scenario
+from mcsim.scenario_file import Scenario
 from mcsim.units import KINDS, parse, parse_confidence
 
 SHIPPED = sorted(Path("scenarios").glob("[psv]*/*.yaml"))

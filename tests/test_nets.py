@@ -6,8 +6,8 @@ import numpy as np
 from scipy import stats
 
 import mcsim
-from mcsim.cases.nets import net_normals
 from mcsim.engine import run_point
+from mcsim.simulation.nets import net_normals
 from mcsim.statistics import Collector, Reference, estimate
 from tests.conftest import ALL_ERRORS, problem, scenario
 

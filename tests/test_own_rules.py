@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 
 import mcsim
-from mcsim.cases.running import adjoint_weights
 from mcsim.cli.main import exit_code
 from mcsim.cli.own import run_own
 from mcsim.sensors.measurement import Measurement
+from mcsim.simulation.running import adjoint_weights
 from tests.conftest import ALL_ERRORS, BASE_YAML, problem
 from tests.reference.random_numpy import constants, white_noise
 from tests.strapdown import EVERYTHING, RULES

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import mcsim
 from mcsim import InputError, Scenario
-from mcsim.cases import problem_of
+from mcsim.systems import problem_of
 from tests.conftest import BASE_YAML, scenario
 from tests.strapdown import scenario as spatial_scenario
 

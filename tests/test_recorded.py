@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from mcsim import Scenario
-from mcsim.cases import problem_of
 from mcsim.errors import InputError
 from mcsim.scenario.tracks import Columns, Recorded
+from mcsim.systems import problem_of
 from mcsim.trajectory import drive_of
 from mcsim.trajectory.geodesy import local_position
 from mcsim.trajectory.recorded import load_drive

@@ -7,7 +7,7 @@ import pytest
 
 from mcsim import InputError, Scenario
 from mcsim.cli.paper import shipped_scenarios
-from mcsim.scenario.schema import scenario_schema
+from mcsim.scenario_file.schema import scenario_schema
 from mcsim.units import STANDARD_GRAVITY as G
 from mcsim.vibration.scenario import read_vibration, vibration_schema
 from tests.conftest import BASE, BASE_YAML, density, scenario

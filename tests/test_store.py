@@ -17,7 +17,7 @@ import mcsim
 from mcsim import InputError
 from mcsim.checkpoints import Checkpoint
 from mcsim.cli.main import exit_code
-from mcsim.scenario import Scenario
+from mcsim.scenario_file import Scenario
 from mcsim.store import load, load_results
 from mcsim.writing import LOCK, alone_in, write_whole
 

@@ -10,12 +10,12 @@ import pytest
 
 import mcsim
 from mcsim import InputError, Scenario
-from mcsim.cases.gravity_leakage import NOTE_GRAVITY, RATE, gravity_leakage
 from mcsim.cli.gravity_leakage import verdict
 from mcsim.cli.main import exit_code
 from mcsim.cli.paper import shipped_scenarios
 from mcsim.engine import run_point
-from mcsim.scenario import StrapdownScenario
+from mcsim.systems.strapdown.gravity_leakage import NOTE_GRAVITY, RATE, gravity_leakage
+from mcsim.systems.strapdown.scenario import StrapdownScenario
 from tests.conftest import ALL_ERRORS
 from tests.strapdown import EVERYTHING, LEANING, problem, scenario
 
@@ -111,7 +111,7 @@ def test_points_that_cannot_lean_are_refused_before_anything_runs():
 def test_the_schema_knows_the_case():
     from jsonschema import Draft7Validator
 
-    from mcsim.scenario.schema import scenario_schema
+    from mcsim.scenario_file.schema import scenario_schema
 
     schema = scenario_schema()
     Draft7Validator.check_schema(schema)

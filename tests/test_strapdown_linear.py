@@ -8,8 +8,8 @@ import pytest
 from scipy import stats
 from scipy.integrate import quad
 
-from mcsim.cases.lengths import length_quantile, mean_length
 from mcsim.kernels.strapdown import Motion
+from mcsim.simulation.lengths import length_quantile, mean_length
 from tests.strapdown import EVERYTHING, LEANING, RULES, constants_of, problem, with_errors
 
 #: Errors in the order of the weights: along, across, height, course, roll, pitch, heading.

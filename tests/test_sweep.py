@@ -11,11 +11,11 @@ import pytest
 import mcsim
 from mcsim import InputError, Scenario
 from mcsim.results import COLUMNS, circumstances
-from mcsim.scenario import PlanarScenario
 from mcsim.scenario.document import Document
 from mcsim.scenario.validation import validate
 from mcsim.store import Checkpoint, load_results
 from mcsim.sweep import run_sweep
+from mcsim.systems.planar.scenario import PlanarScenario
 from mcsim.vibration.scenario import VibrationScenario, is_vibration, read_vibration
 from tests.conftest import ALL_ERRORS, BASE_YAML, NO_NOISE, scenario
 

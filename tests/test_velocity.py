@@ -13,8 +13,6 @@ from GTC import ureal
 
 import mcsim
 from mcsim import InputError, Scenario
-from mcsim.cases import problem_of
-from mcsim.cases.velocity_linear import accelerations
 from mcsim.cli import velocity_paper
 from mcsim.cli.budget import write_budget
 from mcsim.engine import run_point
@@ -22,7 +20,9 @@ from mcsim.gum import course_of_uncertainty, step_budget
 from mcsim.gum.tables import BUDGET_COLUMNS, budget_table, comparison_table
 from mcsim.gum.words import comparison_words
 from mcsim.results import at_the_end
-from mcsim.trajectory.straight_run import run_motion, within_intervals
+from mcsim.systems import problem_of
+from mcsim.systems.velocity.linear import accelerations
+from mcsim.systems.velocity.truth import run_motion, within_intervals
 from tests.reference import velocity_numpy
 
 FOLDER = Path(__file__).parent.parent / "scenarios" / "velocity"

@@ -9,10 +9,6 @@ from scipy.stats import chi2, ks_2samp
 
 import mcsim
 from mcsim import InputError, Scenario
-from mcsim.cases import check_point, problem_of
-from mcsim.cases.nets import net_normals
-from mcsim.cases.scatter import mean_scatter, mean_square_scatter, scatter_quantile
-from mcsim.cases.velocity_measured import GroupSamples, ProcessSums
 from mcsim.cli.tables import summary
 from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty
@@ -20,6 +16,10 @@ from mcsim.gum.tables import comparison_table
 from mcsim.gum.words import comparison_words
 from mcsim.kernels.velocity_measured import REST_NOISE, constant_rows
 from mcsim.sensors.coloured import processes_of
+from mcsim.simulation.nets import net_normals
+from mcsim.systems import check_point, problem_of
+from mcsim.systems.velocity.measured import GroupSamples, ProcessSums
+from mcsim.systems.velocity.scatter import mean_scatter, mean_square_scatter, scatter_quantile
 from mcsim.units import STANDARD_GRAVITY
 from tests.reference import velocity_numpy, velocity_sensor_numpy
 from tests.reference.random_numpy import white_noise
@@ -543,7 +543,7 @@ def test_a_sensor_file_is_read_beside_the_scenario(tmp_path):
 def test_the_schema_knows_the_block():
     import jsonschema
 
-    from mcsim.scenario.schema import scenario_schema
+    from mcsim.scenario_file.schema import scenario_schema
 
     check = jsonschema.Draft7Validator(scenario_schema())
     tree = dict(scenario().document.tree)

@@ -13,9 +13,9 @@ from scipy.signal import butter, chirp, sosfiltfilt
 from mcsim.cli.main import exit_code
 from mcsim.cli.paper import shipped_scenarios
 from mcsim.errors import InputError
-from mcsim.scenario import Scenario
 from mcsim.scenario.document import parse_document
 from mcsim.scenario.validation import validate
+from mcsim.scenario_file import Scenario
 from mcsim.vibration.analysis import Engine, analyse
 from mcsim.vibration.excitation import acceleration, elevator_phases, elevator_speed
 from mcsim.vibration.log import Log, read_vibration_log

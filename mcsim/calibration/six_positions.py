@@ -17,8 +17,8 @@ from mcsim.calibration.columns import read_columns
 from mcsim.calibration.estimate import Estimate
 from mcsim.calibration.scatter import SampleScatter, sample_scatter
 from mcsim.calibration.uncertainty import DESIGN, SOLVE, Uncertainties, uncertainties
-from mcsim.cases.velocity_samples import raw_output_of
 from mcsim.errors import InputError
+from mcsim.systems.velocity.samples import raw_output_of
 
 Array = NDArray[np.float64]
 

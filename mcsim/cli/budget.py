@@ -11,7 +11,7 @@ from mcsim.cli.names import refuse_same_names
 from mcsim.errors import InputError
 
 if TYPE_CHECKING:
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
 
 
 @click.command()
@@ -34,7 +34,8 @@ def budget(
     variances, and a comparison over time with Monte Carlo, as table, figure and in words.
     Limits of the sensor and of the model that the run reaches are said.
     """
-    from mcsim.scenario import Scenario, VelocityScenario
+    from mcsim.scenario_file import Scenario
+    from mcsim.systems.velocity.scenario import VelocityScenario
 
     read = [Scenario.from_yaml(path, overrides) for path in scenarios]
     for path, scenario in zip(scenarios, read, strict=True):
@@ -66,8 +67,8 @@ def write_budget(scenario: Scenario, folder: Path) -> str:
     from mcsim.gum.tables import budget_table, comparison_table
     from mcsim.gum.words import comparison_words
     from mcsim.results import circumstances
-    from mcsim.scenario import VelocityScenario
     from mcsim.store import write_provenance, write_table, write_text
+    from mcsim.systems.velocity.scenario import VelocityScenario
 
     model = scenario.base
     assert isinstance(model, VelocityScenario)  # checked by the command

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from mcsim.calibration import LinearityFit, SixPositionFit, SixPositions
-    from mcsim.scenario import VelocityScenario
+    from mcsim.systems.velocity.scenario import VelocityScenario
 
 _SCENARIO_ENDINGS = (".yaml", ".yml")
 #: Full scales (g), and scale factors, that a sensor may have.
@@ -188,7 +188,7 @@ def _mxx(model: VelocityScenario) -> float:
     """The element of M0, the inverse of the correction L."""
     import numpy as np
 
-    from mcsim.cases.velocity_samples import correction_of
+    from mcsim.systems.velocity.samples import correction_of
 
     return float(np.linalg.inv(correction_of(model.calibration)[0])[0, 0])
 
@@ -198,7 +198,8 @@ def _note(text: str) -> None:
 
 
 def _velocity(path: Path) -> VelocityScenario:
-    from mcsim.scenario import Scenario, VelocityScenario
+    from mcsim.scenario_file import Scenario
+    from mcsim.systems.velocity.scenario import VelocityScenario
 
     base = Scenario.from_yaml(path).base
     if not isinstance(base, VelocityScenario):
@@ -225,8 +226,8 @@ def _simulated_test(
     import numpy as np
 
     from mcsim.calibration import simulate_six_positions
-    from mcsim.cases.velocity_samples import correction_of
-    from mcsim.sensors.raw_output import raw_noise
+    from mcsim.systems.velocity.raw_output import raw_noise
+    from mcsim.systems.velocity.samples import correction_of
 
     return simulate_six_positions(
         *correction_of(model.calibration),
@@ -244,7 +245,7 @@ def _simulated_linearity(path: Path, model: VelocityScenario, seed: int) -> Line
     from mcsim.calibration import linearity as fit_of
     from mcsim.calibration import simulate_shaker
     from mcsim.calibration.shaker import cubic_of
-    from mcsim.sensors.raw_output import raw_noise
+    from mcsim.systems.velocity.raw_output import raw_noise
 
     shaker = model.shaker
     if shaker is None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from mcsim.cases.gravity_leakage import Leakage
+    from mcsim.systems.strapdown.gravity_leakage import Leakage
 
 _UNITS = {"acceleration": "m/s²", "velocity": "m/s", "position": "m"}
 _TIMES = {1.0: "", 10.0: " at 10 s", 60.0: " at 1 min", 600.0: " at 10 min", 3600.0: " at 1 h"}
@@ -28,8 +28,8 @@ _ROUNDED = 0.05
 )
 def gravity_leakage(file: Path | None) -> None:
     """Errors of a vehicle at rest whose attitude is wrong, printed and recomputed."""
-    from mcsim.cases import gravity_leakage as source
     from mcsim.cli.progress import announce_compilation
+    from mcsim.systems.strapdown import gravity_leakage as source
 
     announce_compilation()
     entries = list(source.gravity_leakage())

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from mcsim.results import Results
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
 
 EXIT_DONE, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_PARTIAL, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
 _OUTPUT = click.option(
@@ -181,7 +181,7 @@ for command in (budget, calibrate, characterise, convert, linearity, table, vibr
 def validate(files: tuple[Path, ...]) -> None:
     """Check scenario files without running them."""
     from mcsim.results import check
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
     from mcsim.vibration.scenario import is_vibration, read_vibration
 
     problems = []
@@ -207,7 +207,7 @@ def schema(case: str) -> None:
     """Print the JSON schema (draft 7) of scenario files."""
     import json
 
-    from mcsim.scenario.schema import scenario_schema
+    from mcsim.scenario_file.schema import scenario_schema
     from mcsim.vibration.scenario import vibration_schema
 
     known = {"scenario": scenario_schema, "vibration": vibration_schema}
@@ -309,7 +309,7 @@ def _read(
     realizations: int | None,
     linear: bool,
 ) -> Scenario:
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
 
     scenario = Scenario.from_yaml(path, overrides)
     settings: dict[str, Any] = {}
@@ -379,7 +379,7 @@ def _note(results: Results) -> None:
 
 
 def _note_without_effect(scenario: Scenario) -> None:
-    from mcsim.scenario.effect import without_effect
+    from mcsim.scenario_file.effect import without_effect
 
     for sentence in without_effect(scenario):
         click.echo(f"note: {sentence}", err=True)

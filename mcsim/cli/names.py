@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mcsim.errors import InputError
 
 if TYPE_CHECKING:
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
 
 
 def refuse_same_names(scenarios: list[Scenario]) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from mcsim.errors import InputError
 
 if TYPE_CHECKING:
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
 
 #: Shipped scenarios that belong to no numbered figure.
 GROUPS = ("strapdown", "velocity", "vibration")
@@ -56,7 +56,7 @@ def figure_numbers(asked: tuple[str, ...], others: Iterable[int]) -> list[int]:
 
 def shipped(group: str) -> list[Scenario]:
     """The shipped sweeps of a folder, in the order of their names."""
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
 
     paths = sorted((shipped_scenarios() / group).glob("*.yaml"))
     scenarios = [Scenario.from_yaml(path) for path in paths]
@@ -65,7 +65,7 @@ def shipped(group: str) -> list[Scenario]:
 
 def figure_scenarios(numbers: Iterable[int]) -> dict[int, list[Scenario]]:
     """Scenarios of those of the figures that belong to the planar paper."""
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
 
     files = _planar_figures()
     return {

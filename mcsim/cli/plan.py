@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
 
 
 def plan(scenario: Scenario) -> str:
     """Points, realizations, axes and samples."""
-    from mcsim.cases import problem_of
+    from mcsim.systems import problem_of
 
     settings = scenario.base.monte_carlo
     count = (

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from mcsim.sweep import Progress, Silent
 
 if TYPE_CHECKING:
-    from mcsim.scenario import Scenario
+    from mcsim.scenario_file import Scenario
 
 #: Seconds between two plain lines.
 _LINE_EVERY = 5.0

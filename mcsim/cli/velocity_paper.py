@@ -14,7 +14,8 @@ from mcsim.cli.paper import shipped_scenarios
 if TYPE_CHECKING:
     import pandas as pd
 
-    from mcsim.scenario import Scenario, VelocityScenario
+    from mcsim.scenario_file import Scenario
+    from mcsim.systems.velocity.scenario import VelocityScenario
 
 SENSORS = ("a1", "a2")
 #: Table 2, after 1.5 s: largest error of twelve runs and error of their mean (both measured
@@ -30,7 +31,8 @@ def draw_figure(number: int, output: Path) -> list[Path]:
 
 
 def _scenario(name: str, **overrides: str) -> tuple[Scenario, VelocityScenario]:
-    from mcsim.scenario import Scenario, VelocityScenario
+    from mcsim.scenario_file import Scenario
+    from mcsim.systems.velocity.scenario import VelocityScenario
 
     path = shipped_scenarios() / "velocity" / f"{name}.yaml"
     scenario = Scenario.from_yaml(path, {k.replace("__", "."): v for k, v in overrides.items()})
@@ -45,13 +47,13 @@ def _runs(name: str) -> Callable[[Path], list[Path]]:
         import numpy as np
         import pandas as pd
 
-        from mcsim.cases.velocity import VelocityProblem
         from mcsim.cli.budget import write_budget
         from mcsim.engine import point_key
         from mcsim.figures import write_figure
         from mcsim.figures.budget import draw_runs
         from mcsim.gum import course_of_uncertainty
         from mcsim.store import write_table
+        from mcsim.systems.velocity.problem import VelocityProblem
 
         scenario, model = _scenario(name)
         problem = VelocityProblem.from_model(model)
@@ -168,9 +170,9 @@ def table_2() -> pd.DataFrame:
 def _rows_of_table_2(name: str, speed: str) -> Iterator[tuple[Any, ...]]:
     import numpy as np
 
-    from mcsim.cases.velocity import VelocityProblem
     from mcsim.engine import point_key
     from mcsim.gum import course_of_uncertainty
+    from mcsim.systems.velocity.problem import VelocityProblem
 
     largest, of_mean, uc, scatter = _TABLE_2[name]
     nothing = math.nan

@@ -22,10 +22,11 @@ from mcsim.figures.style import (
     spans_decades,
 )
 from mcsim.results import METHOD, Results, at_the_end, in_unit_of_tables
-from mcsim.scenario import Axis, Scenario, Value
+from mcsim.scenario import Axis, Value
 from mcsim.scenario.error_names import UNITS
 from mcsim.scenario.figure import Figure as FigureModel
 from mcsim.scenario.figure import Panel
+from mcsim.scenario_file import Scenario
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,8 +9,8 @@ import numpy as np
 
 from mcsim.errors import InputError
 from mcsim.gum.propagation import AXES, Correction, step_sensitivities, tilt_sensitivities
-from mcsim.scenario import VelocityScenario
-from mcsim.sensors.raw_output import raw_noise
+from mcsim.systems.velocity.raw_output import raw_noise
+from mcsim.systems.velocity.scenario import VelocityScenario
 
 
 @dataclass(frozen=True)

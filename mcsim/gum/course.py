@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.cases.velocity import VelocityProblem
-from mcsim.cases.velocity_linear import calibration_pushes
 from mcsim.engine import point_key
 from mcsim.estimation import LOOKED_AT, limit_texts
 from mcsim.gum.budget import correction
 from mcsim.gum.propagation import step_sensitivities, tilt_sensitivities
-from mcsim.scenario import VelocityScenario
-from mcsim.sensors.raw_output import raw_noise
+from mcsim.systems.velocity.linear import calibration_pushes
+from mcsim.systems.velocity.problem import VelocityProblem
+from mcsim.systems.velocity.raw_output import raw_noise
+from mcsim.systems.velocity.scenario import VelocityScenario
 
 Array = NDArray[np.float64]
 

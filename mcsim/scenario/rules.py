@@ -2,45 +2,43 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import AfterValidator, Field
 
 from mcsim.registry import suggest
 from mcsim.scenario.fields import reject
 
-#: Our own rules by case, the default first.
-SHIPPED = {
-    "planar": ("rectangular", "trapezoidal"),
-    "strapdown": ("rectangular", "forward_euler", "trapezoidal", "two_sample"),
-}
-_ADDED: dict[str, list[str]] = {case: [] for case in SHIPPED}
 
+class Rules:
+    """The rules of one case, the default first."""
 
-def known(case: str) -> tuple[str, ...]:
-    """All rules of a case."""
-    return (*SHIPPED[case], *_ADDED[case])
+    def __init__(self, *shipped: str) -> None:
+        self.shipped = shipped
+        self._added: list[str] = []
 
+    @property
+    def known(self) -> tuple[str, ...]:
+        """All rules."""
+        return (*self.shipped, *self._added)
 
-def add(case: str, name: str) -> None:
-    """Let scenarios of a case name one more rule."""
-    if name not in known(case):
-        _ADDED[case].append(name)
+    def add(self, name: str) -> None:
+        """Let scenarios name one more."""
+        if name not in self.known:
+            self._added.append(name)
 
+    def checked(self) -> AfterValidator:
+        """Refuses names that no rule has."""
 
-def _checked(case: str) -> AfterValidator:
-    def check(name: str) -> str:
-        names = known(case)
-        if name not in names:
-            raise reject(f'"{name}" is not one of {", ".join(names)}{suggest(name, names)}')
-        return name
+        def check(name: str) -> str:
+            if name not in self.known:
+                raise reject(
+                    f'"{name}" is not one of {", ".join(self.known)}{suggest(name, self.known)}'
+                )
+            return name
 
-    return AfterValidator(check)
+        return AfterValidator(check)
 
-
-def _listed(case: str) -> Any:
-    return Field(json_schema_extra={"enum": list(SHIPPED[case])})
-
-
-PlanarRule = Annotated[str, _checked("planar"), _listed("planar")]
-StrapdownRule = Annotated[str, _checked("strapdown"), _listed("strapdown")]
+    def listed(self) -> Any:
+        """Names the shipped rules in the JSON schema."""
+        return Field(json_schema_extra={"enum": list(self.shipped)})

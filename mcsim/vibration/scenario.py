@@ -28,8 +28,8 @@ from mcsim.scenario.fields import (
 )
 from mcsim.scenario.named_sensor import NamedAccelerometer
 from mcsim.scenario.run import LARGEST_SEED
-from mcsim.scenario.schema import SCHEMA_DRAFT
 from mcsim.scenario.validation import validate
+from mcsim.scenario_file.schema import SCHEMA_DRAFT
 
 CASE = "vibration"
 #: More samples than this are not simulated.

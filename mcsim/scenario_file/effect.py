@@ -1,0 +1,108 @@
+"""Keys that a scenario writes and that change nothing: each is told, with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from mcsim.scenario.document import get_path
+from mcsim.scenario.idle import IdleKey
+from mcsim.scenario.paths import split_path
+from mcsim.scenario.tracks import Recorded
+from mcsim.systems import SYSTEMS
+
+if TYPE_CHECKING:
+    from mcsim.scenario_file.scenario import Scenario
+
+
+def _has_no_angles(model: Any) -> bool:
+    track = getattr(model, "trajectory", None)
+    if not isinstance(track, Recorded):
+        return False
+    return track.columns.course is None and track.columns.heading is None
+
+
+def _beside_linear(key: str, reason: str) -> IdleKey:
+    return IdleKey(
+        f"monte_carlo.{key}",
+        ("monte_carlo.estimator",),
+        lambda model: model.monte_carlo.estimator == "linear",
+        reason,
+    )
+
+
+def _off(element: str, block: str, deciding: str, idle: str) -> IdleKey:
+    """A key of a block of ``element`` whose other key is zero."""
+
+    def off(model: Any) -> bool:
+        own = getattr(getattr(getattr(model, "sensors", None), element, None), block, None)
+        values = getattr(own, deciding, None)
+        return values is not None and not any(values if isinstance(values, tuple) else (values,))
+
+    path = f"sensors.{element}.{block}"
+    return IdleKey(f"{path}.{idle}", (f"{path}.{deciding}",), off, f"`{path}.{deciding}` is zero")
+
+
+#: Keys of blocks that several cases have.
+COMMON: tuple[IdleKey, ...] = (
+    IdleKey(
+        "monte_carlo.max_realizations",
+        ("monte_carlo.precision",),
+        lambda model: model.monte_carlo.precision is None,
+        "it ends a run to a `precision`, which is not asked for",
+    ),
+    _beside_linear("precision", "a linear answer has no intervals to narrow"),
+    _beside_linear("confidence", "a linear answer has no intervals"),
+    _beside_linear("resamples", "a linear answer has no intervals"),
+    _beside_linear("offsets", "a linear answer draws no offsets"),
+    *(
+        rule
+        for element in ("accelerometer", "gyroscope")
+        for rule in (
+            _off(element, "gauss_markov", "deviation", "correlation_time"),
+            _off(element, "spikes", "rate", "amplitude"),
+            _off(element, "spikes", "amplitude", "rate"),
+        )
+    ),
+    IdleKey(
+        "trajectory.side_slip_profile",
+        ("trajectory.side_slip", "trajectory.shape"),
+        lambda model: getattr(getattr(model, "trajectory", None), "side_slip", None) == 0.0,
+        "`trajectory.side_slip` is zero",
+    ),
+    IdleKey(
+        "trajectory.angles", ("trajectory.columns",), _has_no_angles, "no recorded angle is used"
+    ),
+)
+
+
+def without_effect(scenario: Scenario) -> list[str]:
+    """What the scenario writes without effect, one sentence each, with file and line."""
+    return list(_sentences(scenario))
+
+
+def _sentences(scenario: Scenario) -> Iterator[str]:
+    swept = [axis.path for axis in scenario.axes]
+    document = scenario.document
+    for rule in (*COMMON, *SYSTEMS[scenario.base.case].idle):
+        keys = split_path(rule.path)
+        written = get_path(document.tree, keys) is not None or rule.path in swept
+        decided = any(path.startswith(rule.deciding) for path in swept if path != rule.path)
+        if not written or (rule.deciding and decided):
+            continue
+        if rule.idle(scenario.base) and not _is_default(scenario.base, rule.path):
+            yield f"{document.place(keys)}: {rule.path} has no effect: {rule.reason}"
+    if scenario.base.monte_carlo.common_random_numbers and not scenario.axes:
+        path = "monte_carlo.common_random_numbers"
+        place = document.place(split_path(path))
+        yield f"{place}: {path} has no effect: nothing is swept"
+
+
+def _is_default(model: Any, path: str) -> bool:
+    """Whether a key is written as it would be read without it, as resolved scenarios do."""
+    *blocks, name = path.split(".")
+    for block in blocks:
+        model = getattr(model, block, None)
+    if model is None:
+        return True
+    return bool(getattr(model, name) == type(model).model_fields[name].default)

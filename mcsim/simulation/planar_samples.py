@@ -1,0 +1,73 @@
+"""What the planar case's sensors sample of a drive, and how long it may last."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from mcsim.errors import InputError
+from mcsim.sensors.low_pass import behind_low_pass
+from mcsim.sensors.sampling import DENSE_RATE, Signals, oversampling, power_beyond, sample
+from mcsim.simulation.problem import Array
+from mcsim.trajectory import Drive, Motion
+
+#: Dense samples of the truth and samples of a drive whose arrays fit in memory (some 2 GB).
+_MOST_DENSE_SAMPLES, _MOST_SAMPLES = 20_000_000, 3_000_000
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Ideal samples (n + 1, 3), turns per interval last, and the truth at their times."""
+
+    signals: Array
+    truth: Motion
+    beyond_rate: Array
+
+
+@lru_cache(maxsize=64)
+def sampled(drive: Drive, rate: float, method: str, bandwidths: tuple[float, ...]) -> Samples:
+    """What does not change while only sensor errors are swept."""
+    count = sample_count(drive, rate)
+    ideal: Signals = drive.signals
+    if not all(map(math.isinf, bandwidths)):
+        ideal = behind_low_pass(ideal, bandwidths, -drive.lead, rate, count)
+    signals = sample(ideal, -drive.lead, rate, count, method).T
+    truth = drive.motion(-drive.lead + np.arange(count + 1) / rate)
+    beyond = power_beyond(ideal, -drive.lead, rate, count)
+    return Samples(np.ascontiguousarray(signals * [1.0, 1.0, 1.0 / rate]), truth, beyond)
+
+
+def wrap(angle: Array) -> Array:
+    """Angles in (-pi, pi]."""
+    return angle - 2.0 * np.pi * np.ceil((angle - np.pi) / (2.0 * np.pi))
+
+
+def course_missing(drive: Drive) -> Mapping[str, str]:
+    """Why the course at the end is undefined, if it is."""
+    if drive.manoeuvre.stops:
+        return {
+            "course": "the vehicle comes to rest within the last interval: its course is undefined"
+        }
+    return {}
+
+
+def sample_count(drive: Drive, rate: float) -> int:
+    """Number of the last sample that the drive holds."""
+    count = math.floor(drive.duration * rate * (1.0 + 1e-12) + 1e-9)
+    if count < 1:
+        raise InputError(
+            f"sensors.rate: the drive lasts {drive.duration:.4g} s, less than one sampling "
+            f"interval; use a rate above {1.0 / drive.duration:.4g} Hz"
+        )
+    if count * oversampling(rate) > _MOST_DENSE_SAMPLES or count > _MOST_SAMPLES:
+        slower = drive.duration * DENSE_RATE < _MOST_DENSE_SAMPLES  # a lower rate would do
+        raise InputError(
+            f"trajectory: the drive lasts {drive.duration:.4g} s, {count:,} samples at "
+            f"{rate:g} Hz, more than mcsim can hold; shorten it"
+            f"{', or lower `sensors.rate`' if slower else ''}"
+        )
+    return count

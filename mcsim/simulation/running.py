@@ -1,0 +1,68 @@
+"""Runs a system in the kernel frame: allocates the results and leaves out what is not wanted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.kernels.adjoint import adjoint
+from mcsim.kernels.frame import simulate
+from mcsim.kernels.system import Results, Sensors
+from mcsim.kernels.system import Weights as LinearWeights
+from mcsim.sensors.layout import no_terms
+from mcsim.simulation.problem import Array
+
+__all__ = ["LinearWeights", "Sensors", "adjoint_weights", "run"]
+
+
+def adjoint_weights(system: Any, signals: Array) -> tuple[Array, Array]:
+    """Linear errors per unit of every disturbance, from the system's own steps.
+
+    Weights (l, n + 1, c) of the samples' channels, and (l, k) of what a realization draws once
+    per unit of its deviation; see ``mcsim.kernels.adjoint``.
+    """
+    channels, rows = system.CHANNELS, len(system.LINEAR)
+    samples = np.zeros((rows, len(signals), channels))
+    constants = np.zeros((rows, system.CONSTANTS))
+    sensors = Sensors(signals, np.zeros(channels), no_terms(channels))
+    unit = system._replace(deviations=type(system.deviations)(*[1.0] * len(system.deviations)))
+    kernel = getattr(system, "ADJOINT", adjoint)
+    kernel(unit, sensors, samples, constants, np.zeros((len(signals), system.STATE)))
+    return samples, constants
+
+
+_NO_WEIGHTS = LinearWeights(np.zeros((0, 0)), np.zeros((0, 0)))
+_NONE_GIVEN = np.zeros((0, 0), np.float32)
+_NO_HISTORY = np.empty((0, 0, 0))
+
+
+def run(
+    system: Any,
+    key: int,
+    first: int,
+    count: int,
+    sensors: Sensors,
+    weights: LinearWeights | None = None,
+    given: NDArray[np.float32] | None = None,
+    history: Array | None = None,
+) -> tuple[Array, Array]:
+    """Errors (e, count) and, with weights, linear errors (l, count), else (l, 0).
+
+    Parameters as in ``mcsim.kernels.frame.simulate``; ``history`` is written if given.
+    """
+    errors = np.empty((system.ERRORS, count))
+    linear = np.empty((len(system.LINEAR), 0 if weights is None else count))
+    kernel = getattr(system, "SIMULATE", simulate)
+    kernel(
+        system,
+        np.uint64(key),
+        np.uint64(first),
+        count,
+        sensors,
+        weights or _NO_WEIGHTS,
+        _NONE_GIVEN if given is None else given,
+        Results(errors, linear, _NO_HISTORY if history is None else history),
+    )
+    return errors, linear

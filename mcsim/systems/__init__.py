@@ -1,0 +1,42 @@
+"""The cases: a folder each, and a line here; ``mcsim.simulation.case`` tells what they must say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mcsim.registry import Registry
+from mcsim.scenario.case import CaseScenario
+from mcsim.simulation.case import Case
+from mcsim.simulation.problem import Problem
+
+#: A run imports the case that it simulates, and no other.
+SYSTEMS: Registry[Case] = Registry(
+    "case",
+    later={
+        "planar": "mcsim.systems.planar:CASE",
+        "velocity": "mcsim.systems.velocity:CASE",
+        "strapdown": "mcsim.systems.strapdown:CASE",
+    },
+)
+
+
+def problem_of(model: CaseScenario, folder: Path) -> Problem:
+    """The problem of a validated point; relative files are looked up in ``folder``.
+
+    Raises
+    ------
+    InputError
+        The track cannot be built, or is shorter than one sampling interval.
+    """
+    return SYSTEMS[model.case].problem(model, folder)
+
+
+def check_point(model: CaseScenario, folder: Path) -> int:
+    """Samples per realization; refuses a point that cannot run, without preparing it.
+
+    Raises
+    ------
+    InputError
+        See ``problem_of``.
+    """
+    return SYSTEMS[model.case].samples(model, folder)

@@ -1,0 +1,41 @@
+"""Scenarios of the planar case."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from mcsim.scenario.block import Block
+from mcsim.scenario.case import CaseScenario
+from mcsim.scenario.error_names import ErrorName
+from mcsim.scenario.initial import Initial
+from mcsim.scenario.rules import Rules
+from mcsim.scenario.sensors import Sensors
+from mcsim.scenario.tracks import Recorded, Trajectory
+
+RULES = Rules("rectangular", "trapezoidal")
+Rule = Annotated[str, RULES.checked(), RULES.listed()]
+
+
+class Reconstruction(Block):
+    """How the sensor data are integrated."""
+
+    integration: Rule = "rectangular"
+    """`rectangular` is the paper's way; `trapezoidal` is of second order; or a rule of your own."""
+
+
+class PlanarScenario(CaseScenario):
+    """2-D dead reckoning from two accelerometer axes and one gyroscope."""
+
+    ERRORS: ClassVar[tuple[ErrorName, ...]] = ("along", "across", "position", "heading", "course")
+    DRAWN: ClassVar[tuple[ErrorName, ...]] = ("along", "across", "heading", "course")
+
+    case: Literal["planar"]
+    trajectory: Trajectory
+    sensors: Sensors
+    reconstruction: Reconstruction = Reconstruction()
+    initial: Initial = Initial()
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        drives = (self.trajectory.file,) if isinstance(self.trajectory, Recorded) else ()
+        return (*drives, *self.sensors.files)

@@ -1,0 +1,48 @@
+"""What the strapdown case's sensors sample of a drive."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from mcsim.kernels import strapdown
+from mcsim.sensors.low_pass import behind_low_pass
+from mcsim.sensors.sampling import Signals, power_beyond, sample
+from mcsim.simulation.planar_samples import sample_count
+from mcsim.simulation.problem import Array
+from mcsim.systems.strapdown.truth import SpatialDrive, SpatialMotion
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Ideal samples (n + 1, 6), rates as turns per interval, and the truth at their times."""
+
+    signals: Array
+    truth: SpatialMotion
+    beyond_rate: Array
+
+
+@lru_cache(maxsize=64)
+def sampled(
+    drive: SpatialDrive, rate: float, method: str, bandwidths: tuple[float, ...]
+) -> Samples:
+    """What does not change while only sensor errors are swept."""
+    plane = drive.drive
+    count = sample_count(plane, rate)
+    ideal: Signals = drive.signals
+    if not all(map(math.isinf, bandwidths)):
+        ideal = behind_low_pass(ideal, bandwidths, -plane.lead, rate, count)
+    signals = sample(ideal, -plane.lead, rate, count, method).T
+    truth = drive.motion(-plane.lead + np.arange(count + 1) / rate)
+    beyond = power_beyond(ideal, -plane.lead, rate, count)
+    return Samples(np.ascontiguousarray(signals * _per_interval(rate)), truth, beyond)
+
+
+def _per_interval(rate: float) -> Array:
+    """Factors (6,) from rates to turns per interval."""
+    factors = np.ones(strapdown.Strapdown.CHANNELS)
+    factors[list(strapdown.TURNS)] = 1.0 / rate
+    return factors

@@ -1,0 +1,390 @@
+"""The velocity case: a scenario's point as arrays for the velocity kernel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsim.sensors.error_model import ChannelErrors
+from mcsim.sensors.measurement import Measurement
+from mcsim.simulation.limits import SMALL_TILT, Units, sensor_limits
+from mcsim.simulation.nets import net_normals
+from mcsim.simulation.problem import Array, History, Limit, LinearModel, Sample
+from mcsim.systems.velocity.linear import (
+    BIAS,
+    VelocityWeights,
+    velocity_linear_model,
+    velocity_weights,
+)
+from mcsim.systems.velocity.measured import GroupSamples, MeasuredGroups
+from mcsim.systems.velocity.raw_output import raw_errors
+from mcsim.systems.velocity.samples import rest_output, run_samples
+from mcsim.systems.velocity.scenario import Bias, Number, VelocityScenario
+from mcsim.systems.velocity.steps import check_group, rest_steps, step_count, steps_until
+from mcsim.systems.velocity.truth import run_motion
+
+if TYPE_CHECKING:
+    from mcsim.kernels.velocity_measured import LinearWeights
+
+#: Errors per instant: velocity of a run, of the mean, standard deviation of the runs.
+PER_INSTANT = 3
+_MOST_TRACKS = 1000
+_TILT_ORDERS = ("first", "second", "exact")
+_NOTHING = np.zeros((0, 0))
+_NONE_GIVEN = np.zeros((0, 0), np.float32)
+_NO_CURVES = np.zeros((0, 0, 0))
+
+
+@dataclass(frozen=True)
+class VelocityProblem:
+    """Arrays and numbers of the velocity kernel; see ``mcsim.kernels.velocity.simulate``.
+
+    ``raw`` (n, 3) holds the undisturbed raw output at the steps, ``truth`` (n + 1,) the true
+    velocity before each step and after the last; ``steps`` (k,) how many steps each asked
+    instant takes; ``at_rest`` the samples of the rest.
+
+    A group of runs is one turn-on: the rest, then all runs without a pause.  Offsets, scale
+    factors and misalignment are drawn once for all of it; in-run noise starts with the rest and
+    goes on to the end of the last run, so that the first run, whose error is reported, is the
+    one nearest the rest.
+    """
+
+    raw: Array
+    truth: Array
+    inputs: Array
+    uncertainties: Array
+    sensor_errors: ChannelErrors
+    at_rest: int
+    interval: float
+    time_error: float
+    stamps: bool
+    tilt_order: int
+    runs: int
+    steps: NDArray[np.int64]
+    error_names: tuple[str, ...]
+    percentiles: tuple[float, ...] = VelocityScenario.PERCENTILES
+    too_fast: tuple[Limit, ...] = ()
+
+    @classmethod
+    def from_model(cls, model: VelocityScenario) -> VelocityProblem:
+        """Truth, calibration and errors of one point.
+
+        Raises
+        ------
+        InputError
+            An instant earlier than the first sample, or an absurdly long run.
+        """
+        sensor, gravity = model.sensor, model.gravity
+        n = step_count(model)
+        interval = 1.0 / sensor.rate
+        times = np.arange(n + 1, dtype=float) / sensor.rate
+        motion = run_motion(model.trajectory, times)
+        errors = raw_errors(model)
+        raw = run_samples(model, times, errors.bandwidths)
+        samples = rest_steps(model)
+        c = model.calibration
+        numbers: list[Number | Bias] = [
+            *(c.lxx, c.lxy, c.lxz, c.lzx, c.lzy, c.lzz),
+            *(c.bx, c.by, c.bz),
+        ]
+        problem = cls(
+            raw=raw,
+            truth=motion.velocity,
+            inputs=np.array(
+                [*(q.estimate for q in numbers), *rest_output(model), 0.0, gravity.estimate]
+            ),
+            uncertainties=np.array(
+                [
+                    *(q.uncertainty for q in numbers),
+                    *errors.white / math.sqrt(samples),
+                    model.tilt.change,
+                    gravity.uncertainty,
+                ]
+            ),
+            sensor_errors=errors,
+            at_rest=samples,
+            interval=interval,
+            time_error=sensor.time_error,
+            stamps=sensor.time_errors == "stamps",
+            tilt_order=_TILT_ORDERS.index(model.tilt.order),
+            runs=model.runs,
+            steps=np.array([steps_until(t, sensor.rate) for t in model.reported]),
+            error_names=tuple(row.label for row in model.error_rows),
+            too_fast=tuple(_too_fast(model)),
+        )
+        if problem.is_measured:
+            check_group(model)
+        return problem
+
+    @property
+    def white(self) -> Array:
+        """u(am): standard deviations (3,) of one raw sample's white noise (fractions of g)."""
+        return self.sensor_errors.white
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether every sample is measured; white noise and offsets alone need no such thing."""
+        return len(self.measurement.innovations) > 0
+
+    @property
+    def n_samples(self) -> int:
+        return self._group.total if self.is_measured else len(self.raw) * self.runs
+
+    @property
+    def _group(self) -> GroupSamples:
+        return GroupSamples(self.at_rest, len(self.raw), self.runs, self.steps)
+
+    @cached_property
+    def signals(self) -> Array:
+        """Raw output and what the axes sense (n + 1, 6): at rest, and at a run's steps."""
+        raw = np.concatenate([self.inputs[None, 9:12], self.raw])
+        return np.concatenate([raw, raw - self.inputs[BIAS]], axis=1)
+
+    @cached_property
+    def measurement(self) -> Measurement:
+        """The sensor errors as the kernels take them."""
+        count = self._group.total
+        return Measurement.of(self.sensor_errors, self.signals, self.interval, count)
+
+    @property
+    def missing(self) -> Mapping[str, str]:
+        if self.runs > 1:
+            return {}
+        reason = "a single run has no scatter; raise `runs`"
+        return dict.fromkeys(self.error_names[2::PER_INSTANT], reason)
+
+    @cached_property
+    def weights(self) -> VelocityWeights:
+        """First-order weights of all disturbances."""
+        return velocity_weights(
+            self.raw,
+            self.inputs,
+            self.uncertainties,
+            self.white,
+            self.interval,
+            self.time_error,
+            self.stamps,
+            self.tilt_order,
+            self.steps,
+            {
+                f"accelerometer {source}": deviations
+                for source, deviations in (
+                    ("miscalibration", self.sensor_errors.miscalibration),
+                    ("turn-on bias", self.sensor_errors.turn_on_bias),
+                )
+                if np.any(deviations)
+            },
+        )
+
+    @cached_property
+    def _measured(self) -> MeasuredGroups:
+        return MeasuredGroups(
+            self.weights, self.measurement, self._group, self.signals[1:], self.signals[0]
+        )
+
+    @cached_property
+    def linear(self) -> LinearModel:
+        if not self.is_measured:
+            return velocity_linear_model(self.weights, self.runs)
+        model, m = self._measured.linear_model(), self.measurement
+        # Of all samples of the group; those at rest weigh less, and are more.
+        spikes = self._group.total * float(np.sum(m.spike_thresholds)) * 2.0**-31
+        return replace(model, spike_events=np.full(len(model.mean), spikes))
+
+    def limits(self, key: int, count: int) -> tuple[Limit, ...]:
+        found = list(self.too_fast)
+        at_rest = self.inputs[9:12] - self.inputs[BIAS]
+        tilt = math.atan(float(self.inputs[:3] @ at_rest) / float(self.inputs[3:6] @ at_rest))
+        if self.tilt_order == 0 and abs(tilt) > SMALL_TILT:
+            found.append(
+                Limit(
+                    f"tilt.order: the sensor is tilted by {math.degrees(tilt):.3g}°, where "
+                    f"`first` errs by {0.5 * tilt**2:.1%} of gravity's share; write `exact`"
+                )
+            )
+        if self.is_measured:
+            units = Units(np.ones(3), ("g",) * 3)
+            found += sensor_limits(
+                self.measurement,
+                self.signals,
+                units,
+                self.interval,
+                lambda m: self._measured_by(m).simulate(key, 0, count).errors,
+            )
+        return tuple(found)
+
+    def _measured_by(self, measurement: Measurement) -> VelocityProblem:
+        other = replace(self)
+        other.__dict__["measurement"] = measurement
+        return other
+
+    @cached_property
+    def _method_errors(self) -> Array:
+        still = replace(
+            self,
+            uncertainties=0.0 * self.uncertainties,
+            sensor_errors=self.sensor_errors.silent(),
+            time_error=0.0,
+        )
+        return still._run(0, 0, 1)[0][:, 0]
+
+    def method_errors(self) -> Array:
+        return self._method_errors
+
+    def simulate(
+        self, key: int, first: int, count: int, controls: bool = False, net: int = 0
+    ) -> Sample:
+        return Sample(*self._run(key, first, count, controls, net))
+
+    def velocities(self, key: int, first: int, count: int, net: int = 0) -> Array:
+        """Velocities (n, runs, count) of every run of some groups after every step, in m/s."""
+        at_all = replace(self, steps=np.arange(1, len(self.raw) + 1))
+        curves = np.empty((len(self.raw), self.runs, count))
+        at_all._run(key, first, count, net=net, curves=curves)
+        return curves
+
+    def errors_over_time(self, key: int, first: int, count: int, net: int = 0) -> Array:
+        """The three errors (3, n + 1, count) before the first step and after every one."""
+        at_all = replace(self, steps=np.arange(1, len(self.raw) + 1))
+        errors, _ = at_all._run(key, first, count, net=net)
+        over_time = errors.reshape(len(self.raw), PER_INSTANT, count).swapaxes(0, 1)
+        return np.concatenate([np.zeros((PER_INSTANT, 1, count)), over_time], axis=1)
+
+    def history(self, key: int, first: int, count: int, net: int = 0) -> History:
+        runs = min(count, _MOST_TRACKS)
+        curves = self.velocities(key, first, -(-runs // self.runs), net)
+        # Runs of the first group, then of the next.
+        tracks = curves.transpose(0, 2, 1).reshape(len(self.raw), -1)[:, :runs]
+        return History(
+            time=np.arange(len(self.truth), dtype=float) * self.interval,
+            tracks=np.concatenate([np.zeros((1, runs)), tracks])[None],
+            truth=self.truth[None],
+            errors=self.errors_over_time(key, first, count, net),
+            coordinates=("velocity [m/s]",),
+        )
+
+    def _run(
+        self,
+        key: int,
+        first: int,
+        count: int,
+        controls: bool = False,
+        net: int = 0,
+        curves: Array = _NO_CURVES,
+    ) -> tuple[Array, Array]:
+        """Errors (3 k, count) and linear errors of the same shape or (3 k, 0)."""
+        rows = PER_INSTANT * len(self.steps)
+        errors = np.empty((rows, count))
+        linear = np.empty((rows, count if controls else 0))
+        simulate = self._simulate_measured if self.is_measured else self._simulate_plainly
+        simulate(key, first, count, net, errors, linear, curves)
+        if self.runs == 1:
+            errors[2::PER_INSTANT] = np.nan
+        return errors, linear
+
+    def _simulate_plainly(
+        self,
+        key: int,
+        first: int,
+        count: int,
+        net: int,
+        errors: Array,
+        linear: Array,
+        curves: Array,
+    ) -> None:
+        """White noise and offsets alone; an offset acts as an error of the zero bias."""
+        from mcsim.kernels.velocity import DRAWN, simulate
+
+        controls = linear.shape[1] > 0
+        uncertainties = self.uncertainties
+        if self.weights.offsets:
+            uncertainties = uncertainties.copy()
+            uncertainties[BIAS] = np.hypot(uncertainties[BIAS], self.sensor_errors.offsets)
+        simulate(
+            np.uint64(key),
+            np.uint64(first),
+            count,
+            self.runs,
+            self.raw,
+            self.inputs,
+            uncertainties,
+            self.white,
+            self.interval,
+            self.time_error,
+            self.stamps,
+            self.tilt_order,
+            self.steps,
+            self.truth[self.steps],
+            self.weights.steps if controls else _NOTHING,
+            self.weights.group_with_offsets() if controls else _NOTHING,
+            net_normals(key, first, count, net, DRAWN) if net else _NONE_GIVEN,
+            errors,
+            linear,
+            curves,
+        )
+
+    def _simulate_measured(
+        self,
+        key: int,
+        first: int,
+        count: int,
+        net: int,
+        errors: Array,
+        linear: Array,
+        curves: Array,
+    ) -> None:
+        """Every sample measured with all error terms, at rest and in all runs."""
+        from mcsim.kernels.velocity_measured import constant_rows, no_weights, simulate_measured
+
+        m = self.measurement
+        drawn = constant_rows(m.coefficients)  # type: ignore[no-untyped-call]
+        simulate_measured(
+            np.uint64(key),
+            np.uint64(first),
+            count,
+            self.runs,
+            self.at_rest,
+            self._all_signals,
+            self.inputs,
+            self.uncertainties,
+            m.offsets,
+            self.interval,
+            self.time_error,
+            self.stamps,
+            self.tilt_order,
+            self.steps,
+            self.truth[self.steps],
+            self._kernel_weights if linear.shape[1] > 0 else no_weights(),
+            net_normals(key, first, count, net, drawn) if net else _NONE_GIVEN,
+            errors,
+            linear,
+            curves,
+            m.terms,
+        )
+
+    @cached_property
+    def _all_signals(self) -> Array:
+        """The signals (N, 6) of all samples of a group."""
+        rest, run = self.signals[:1], self.signals[1:]
+        return np.concatenate([np.tile(rest, (self.at_rest, 1)), np.tile(run, (self.runs, 1))])
+
+    @cached_property
+    def _kernel_weights(self) -> LinearWeights:
+        return self._measured.kernel_weights()
+
+
+def _too_fast(model: VelocityScenario) -> Iterator[Limit]:
+    """Swings of the vehicle that the samples do not hold."""
+    run, half = model.trajectory, 0.5 * model.sensor.rate
+    for name, swing in (("pitch", run.pitch), ("vertical", run.vertical)):
+        if swing.amplitude != 0.0 and swing.frequency > half:
+            yield Limit(
+                f"sensor.rate: `trajectory.{name}` swings at {swing.frequency:.4g} Hz, above half "
+                f"the sampling rate, {half:.4g} Hz: samples fold it"
+            )

@@ -1,0 +1,122 @@
+"""What the velocity case's accelerometer would read without errors: its raw output."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mcsim.simulation.problem import Array
+from mcsim.systems.velocity.scenario import Calibration, VelocityScenario
+from mcsim.systems.velocity.truth import RunMotion, run_motion, within_intervals
+
+#: Beside a jump of the acceleration (s).
+_JUST_BESIDE = 1e-7
+#: Steps of the low-pass in each sampling interval.
+_DENSE_STEPS = 8
+
+
+def run_samples(
+    model: VelocityScenario, times: Array, bandwidths: tuple[float, ...] = (np.inf,) * 3
+) -> Array:
+    """Undisturbed raw output (n, 3) for the intervals between ``n + 1`` times.
+
+    Axes of finite bandwidth (Hz) are sampled behind a first-order low-pass that has settled
+    in the standstill before the run.
+    """
+    samples = _wide_samples(model, times)
+    limited = [axis for axis, bandwidth in enumerate(bandwidths) if np.isfinite(bandwidth)]
+    if limited:
+        dense, rest = _dense_output(model, times), rest_output(model)
+    for axis in limited:
+        states = _low_pass_states(
+            dense[:, :, axis], float(rest[axis]), bandwidths[axis], model.sensor.rate
+        )
+        if model.sensor.sampling == "none":
+            samples[:, axis] = states[:-1]
+        else:
+            # tau y' = x - y, integrated over an interval: the mean of y from that of x.
+            lag = model.sensor.rate / (2.0 * np.pi * bandwidths[axis])
+            samples[:, axis] -= lag * np.diff(states)
+    return np.ascontiguousarray(samples)
+
+
+def _wide_samples(model: VelocityScenario, times: Array) -> Array:
+    run, gravity = model.trajectory, model.gravity.estimate
+    if model.sensor.sampling == "none":
+        return raw_output(run_motion(run, times[:-1] + _JUST_BESIDE), model.calibration, gravity)
+    motion, weights = within_intervals(run, times)
+    flat = RunMotion(
+        motion.velocity.ravel(),
+        motion.acceleration.ravel(),
+        motion.vertical.ravel(),
+        motion.tilt.ravel(),
+    )
+    outputs = raw_output(flat, model.calibration, gravity).reshape(len(times) - 1, -1, 3)
+    return np.einsum("nkc,k->nc", outputs, weights)
+
+
+def _dense_output(model: VelocityScenario, times: Array) -> Array:
+    """Raw output (n, k + 1, 3) at the ends of k steps in each interval between the times.
+
+    At the ends of the intervals, where the acceleration may jump, it is the one inside.
+    """
+    steps = np.arange(_DENSE_STEPS + 1) / (_DENSE_STEPS * model.sensor.rate)
+    inside = times[:-1, None] + steps
+    inside[:, 0] += _JUST_BESIDE
+    inside[:, -1] -= _JUST_BESIDE
+    motion = run_motion(model.trajectory, inside.ravel())
+    output = raw_output(motion, model.calibration, model.gravity.estimate)
+    return output.reshape(len(inside), -1, 3)
+
+
+def _low_pass_states(dense: Array, rest: float, bandwidth: float, rate: float) -> Array:
+    """Output (n + 1,) of the low-pass at the ends of n intervals; ``dense`` (n, k + 1) its input.
+
+    Exact for an input that is linear between the dense values.
+    """
+    from scipy.signal import lfilter
+
+    k = dense.shape[1] - 1
+    ratio = 2.0 * np.pi * bandwidth / (k * rate)
+    decay = np.exp(-ratio)
+    gone = -np.expm1(-ratio) / ratio
+    pushes = (gone - decay) * dense[:, :-1] + (1.0 - gone) * dense[:, 1:]
+    states, _ = lfilter([1.0], [1.0, -decay], pushes.ravel(), zi=[decay * rest])
+    return np.append(rest, states[k - 1 :: k])
+
+
+def rest_output(model: VelocityScenario) -> Array:
+    """Undisturbed raw output (3,) at rest."""
+    still = np.zeros(1)
+    at_rest = RunMotion(still, still, still, np.full(1, model.trajectory.mounting_angle))
+    (rest,) = raw_output(at_rest, model.calibration, model.gravity.estimate)
+    return np.asarray(rest, float)
+
+
+def raw_output(motion: RunMotion, calibration: Calibration, gravity: float) -> Array:
+    """Undisturbed raw output (n, 3) in fractions of g, Eq. (2) and (6)-(7).
+
+    The matrix M0 is the inverse of L; the row of L for y, which no equation uses, is (0, 1, 0).
+    """
+    upward = 1.0 + motion.vertical / gravity
+    forward = motion.acceleration / gravity
+    cos, sin = np.cos(motion.tilt), np.sin(motion.tilt)
+    true = np.stack([forward * cos + upward * sin, 0.0 * upward, upward * cos - forward * sin])
+    return raw_output_of(true.T, *correction_of(calibration))
+
+
+def correction_of(calibration: Calibration) -> tuple[Array, Array]:
+    """L (3, 3) and B (3,) of a calibration; the row of L for y is (0, 1, 0)."""
+    c = calibration
+    correction = np.array(
+        [
+            [c.lxx.estimate, c.lxy.estimate, c.lxz.estimate],
+            [0.0, 1.0, 0.0],
+            [c.lzx.estimate, c.lzy.estimate, c.lzz.estimate],
+        ]
+    )
+    return correction, np.array([c.bx.estimate, c.by.estimate, c.bz.estimate])
+
+
+def raw_output_of(true: Array, correction: Array, bias: Array) -> Array:
+    """Raw output (n, 3) of true accelerations (n, 3), Eq. (2); all in fractions of g."""
+    return np.linalg.solve(correction, true.T).T + bias
