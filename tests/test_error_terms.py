@@ -7,14 +7,9 @@ import pytest
 
 import mcsim
 from mcsim import InputError
-from mcsim.sensors.coloured import (
-    after_calibration,
-    folded,
-    innovations_of,
-    processes_of,
-)
+from mcsim.sensors.coloured import after_calibration, folded, innovations_of
 from mcsim.sensors.low_pass import behind_low_pass
-from tests.conftest import ALL_ERRORS, NO_NOISE, problem, scenario
+from tests.conftest import ALL_ERRORS, NO_NOISE, problem, processes_of, scenario
 
 INTERVAL = 0.01
 STRAIGHT = {

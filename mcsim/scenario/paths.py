@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 
+from mcsim.scenario.block import when_keys_change
 from mcsim.scenario.document import PathKey, get_path
 from mcsim.scenario.fields import Quantity
 from mcsim.scenario.sensor_block import N_AXES, OneOrThree
@@ -42,6 +43,9 @@ def split_path(path: str) -> PathKey:
 def scalars(model: type[BaseModel]) -> dict[str, Scalar]:
     """All scalar paths of a model; list indices are written ``*``."""
     return {scalar.path: scalar for scalar in _walk(model, "")}
+
+
+when_keys_change(scalars.cache_clear)
 
 
 def find_scalar(model: type[BaseModel], path: str) -> Scalar | None:

@@ -13,12 +13,8 @@ import numpy as np
 from mcsim.kernels import planar
 from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.initial import Initial
-from mcsim.sensors.error_model import (
-    ACCELEROMETER,
-    GYROSCOPE,
-    Channel,
-    ChannelErrors,
-)
+from mcsim.sensor_terms.channel import ACCELEROMETER, GYROSCOPE, Channel
+from mcsim.sensors.error_model import ChannelErrors
 from mcsim.sensors.measurement import Measurement, NormalWeights
 from mcsim.simulation.limits import angle_limits, rate_limits, sensor_limits, units_of
 from mcsim.simulation.nets import net_normals

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mcsim.sensors.error_model import ACCELEROMETER, Channel, channel_errors, per_interval
+from mcsim.sensor_terms.channel import ACCELEROMETER, Channel
+from mcsim.sensors.error_model import channel_errors, per_interval
 from mcsim.simulation.planar import CHANNELS, RATES, PlanarProblem, initial_deviations
 from mcsim.simulation.planar_samples import course_missing, sampled
 from mcsim.systems.planar.scenario import PlanarScenario

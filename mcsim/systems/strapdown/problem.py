@@ -12,14 +12,8 @@ from typing import Any
 import numpy as np
 
 from mcsim.kernels import strapdown
-from mcsim.sensors.error_model import (
-    ACCELEROMETER,
-    GYROSCOPE,
-    Channel,
-    ChannelErrors,
-    channel_errors,
-    per_interval,
-)
+from mcsim.sensor_terms.channel import ACCELEROMETER, GYROSCOPE, Channel
+from mcsim.sensors.error_model import ChannelErrors, channel_errors, per_interval
 from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights
 from mcsim.simulation.limits import (
     angle_limits,
