@@ -19,6 +19,7 @@ from mcsim.sensor_terms.mechanisms.low_pass import low_pass
 from mcsim.sensor_terms.mechanisms.process import in_run_noise, processes_of
 from mcsim.sensor_terms.random_walk import walk
 from mcsim.sensors.error_model import element_errors
+from mcsim.sensors.low_pass import behind_low_pass
 from mcsim.sensors.simulated_log import SimulatedLog
 
 FLOOR = math.sqrt(2 * math.log(2) / math.pi)
@@ -268,6 +269,23 @@ def test_low_pass_is_scipys_of_straight_lines_between_the_samples():
     ours = low_pass((12.0,), RATE)(signal[:, None])[:, 0]
     np.testing.assert_allclose(ours, theirs, atol=1e-12)
     assert np.abs(ours - lfilter(*butter(1, 12.0, fs=RATE), signal)).max() > 0.01
+
+
+def test_a_drives_low_pass_is_that_of_a_log():
+    """Kernels measure behind the one, logs have the other."""
+    frequency, cut_off, dense, count = 7.0, 12.0, 16, 300
+
+    def tone(t):
+        return np.cos(2 * np.pi * frequency * t)
+
+    driven = behind_low_pass(lambda t, _: tone(t)[None], (cut_off,), 0.0, RATE, count)
+    times = np.arange(count * dense) / (RATE * dense)
+    log = low_pass((cut_off,), RATE * dense)(tone(times)[:, None])[::dense, 0]
+    late = np.arange(count) > 50
+    behind = driven(times[::dense], 0.0)[0]
+    np.testing.assert_allclose(log[late], behind[late], atol=2e-3)
+    bilinear = lfilter(*butter(1, cut_off, fs=RATE), tone(times[::dense]))
+    assert np.abs(bilinear - behind)[late].max() > 0.01
 
 
 def test_dense_signals_are_filtered_before_they_are_picked():
