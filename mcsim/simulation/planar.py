@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from mcsim.simulation.own import own_system
 from mcsim.simulation.planar_linear import linear_weights
 from mcsim.simulation.planar_samples import wrap
 from mcsim.simulation.problem import Array, History
-from mcsim.simulation.reckoning import Reckoning
+from mcsim.simulation.reckoning import Description, Reckoning
 from mcsim.trajectory import Motion
 
 #: Forward and left acceleration, yaw rate.
@@ -29,6 +28,18 @@ RATES = (False, False, True)
 SIGNAL_NAMES = ("forward acceleration", "left acceleration", "yaw rate")
 #: Places of the initial errors among the kernel's constants: speed, direction, heading, course.
 _SPEED, _DIRECTION, _HEADING, _COURSE = 3, 4, 5, 6
+DESCRIPTION = Description(
+    errors=("along", "across", "position", "heading", "course"),
+    signals=SIGNAL_NAMES,
+    lengths={"position": ("along", "across")},
+    wrapping=("heading", "course"),
+    initial={
+        "initial speed error": (_SPEED,),
+        "initial direction error": (_DIRECTION,),
+        "initial heading error": (_HEADING,),
+        "initial course error": (_COURSE,),
+    },
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,16 +53,9 @@ class PlanarProblem(Reckoning):
     rule: str
     previous_share: float
 
-    ERRORS: ClassVar[tuple[str, ...]] = ("along", "across", "position", "heading", "course")
-    LENGTHS: ClassVar[Mapping[str, tuple[str, ...]]] = {"position": ("along", "across")}
-    WRAPPING: ClassVar[tuple[str, ...]] = ("heading", "course")
-    SIGNALS: ClassVar[tuple[str, ...]] = SIGNAL_NAMES
-    INITIAL: ClassVar[Mapping[str, tuple[int, ...]]] = {
-        "initial speed error": (_SPEED,),
-        "initial direction error": (_DIRECTION,),
-        "initial heading error": (_HEADING,),
-        "initial course error": (_COURSE,),
-    }
+    @property
+    def description(self) -> Description:
+        return DESCRIPTION
 
     @property
     def _own(self) -> type[Any] | None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -23,6 +23,23 @@ from mcsim.simulation.linear_errors import Errors, Weights, variances_of
 from mcsim.simulation.nets import net_normals
 from mcsim.simulation.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.simulation.running import LinearWeights, Sensors, adjoint_weights, run
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a case's system measures and errs in, by name.
+
+    ``errors`` are in the order of the kernel's; ``lengths`` those that are the length of a vector,
+    with its components; ``wrapping`` angles whose errors wrap at half a turn.  ``signals`` are the
+    channels in words.  ``initial`` maps what errs at the start, by its name in budgets, to places
+    among the kernel's constants.
+    """
+
+    errors: tuple[str, ...]
+    signals: tuple[str, ...]
+    lengths: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    wrapping: tuple[str, ...] = ()
+    initial: Mapping[str, Iterable[int]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,17 +62,12 @@ class Reckoning:
     beyond_rate: Array = field(default_factory=lambda: np.zeros(1))
     percentiles: tuple[float, ...] = CaseScenario.PERCENTILES
 
-    #: Errors in the order of the kernel's, and those that are lengths with their components.
-    ERRORS: ClassVar[tuple[str, ...]]
-    LENGTHS: ClassVar[Mapping[str, tuple[str, ...]]] = {}
-    #: Angles whose errors wrap at half a turn.
-    WRAPPING: ClassVar[tuple[str, ...]] = ()
-    #: What the channels measure, in words.
-    SIGNALS: ClassVar[tuple[str, ...]]
-    #: What errs at the start, by its name in budgets: places among the kernel's constants.
-    INITIAL: ClassVar[Mapping[str, Iterable[int]]] = {}
-
     # --- what a case says ---------------------------------------------------------------
+
+    @property
+    def description(self) -> Description:
+        """What the system measures and errs in."""
+        raise NotImplementedError
 
     @property
     def kernel(self) -> Any:
@@ -106,7 +118,7 @@ class Reckoning:
 
     @property
     def error_names(self) -> tuple[str, ...]:
-        return self.ERRORS
+        return self.description.errors
 
     @property
     def n_samples(self) -> int:
@@ -115,8 +127,8 @@ class Reckoning:
     @cached_property
     def errors(self) -> Errors:
         """How the reported errors follow from the kernel's linear ones."""
-        places = self.ERRORS.index
-        lengths = {places(n): tuple(map(places, of)) for n, of in self.LENGTHS.items()}
+        places = self.error_names.index
+        lengths = {places(n): tuple(map(places, of)) for n, of in self.description.lengths.items()}
         return Errors(tuple(self.kernel.LINEAR), lengths)
 
     @cached_property
@@ -145,7 +157,9 @@ class Reckoning:
     def variances_by_source(self) -> Mapping[str, Array]:
         """Variance (l,) of the linear errors by source."""
         found = dict(self.measurement.variances(self.weights.samples, self.rows, self.at_rest))
-        found |= variances_of(self.weights.constants, self.initial_deviations, self.INITIAL)
+        found |= variances_of(
+            self.weights.constants, self.initial_deviations, self.description.initial
+        )
         if self.at_rest is not None:
             found["levelling noise"] = self.measurement.levelling_noise(self.at_rest)
         return found
@@ -159,6 +173,7 @@ class Reckoning:
         return replace(model, spike_events=self.errors.spike_events(events))
 
     def limits(self, key: int, count: int) -> tuple[Limit, ...]:
+        spread, wrapping = self.linear.spread, self.description.wrapping
         return (
             *sensor_limits(
                 self.measurement,
@@ -167,11 +182,9 @@ class Reckoning:
                 self.interval,
                 lambda m: self.measured_by(m).simulate(key, 0, count).errors,
             ),
-            *rate_limits(self.beyond_rate, 1.0 / self.interval, self.SIGNALS),
+            *rate_limits(self.beyond_rate, 1.0 / self.interval, self.description.signals),
             *self.further_limits(key, count),
-            *angle_limits(
-                self.error_names, self.WRAPPING, self.method_errors(), self.linear.spread
-            ),
+            *angle_limits(self.error_names, wrapping, self.method_errors(), spread),
         )
 
     @cached_property

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from mcsim.simulation.planar import CHANNELS as PLANAR_CHANNELS
 from mcsim.simulation.planar import SIGNAL_NAMES
 from mcsim.simulation.planar_samples import course_missing, wrap
 from mcsim.simulation.problem import Array, History, Limit, LinearModel
-from mcsim.simulation.reckoning import Reckoning
+from mcsim.simulation.reckoning import Description, Reckoning
 from mcsim.systems.strapdown.constants import (
     DEVIATIONS,
     FORCE,
@@ -52,6 +52,13 @@ RATES = (False, False, True, False, True, True)
 _STILL = 1e-9
 #: Linear errors that all channels act on; the others, of the attitude, have turns alone.
 _MOVED = 4
+DESCRIPTION = Description(
+    errors=StrapdownScenario.ERRORS,
+    signals=(*SIGNAL_NAMES, "upward acceleration", "roll rate", "pitch rate"),
+    lengths={"position": ("along", "across", "height")},
+    wrapping=("roll", "heading", "course"),
+    initial=INITIAL,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,16 +76,9 @@ class StrapdownProblem(Reckoning):
     rule: str
     previous_share: float
 
-    ERRORS: ClassVar[tuple[str, ...]] = StrapdownScenario.ERRORS
-    LENGTHS: ClassVar[Mapping[str, tuple[str, ...]]] = {"position": ("along", "across", "height")}
-    WRAPPING: ClassVar[tuple[str, ...]] = ("roll", "heading", "course")
-    SIGNALS: ClassVar[tuple[str, ...]] = (
-        *SIGNAL_NAMES,
-        "upward acceleration",
-        "roll rate",
-        "pitch rate",
-    )
-    INITIAL: ClassVar[Mapping[str, tuple[int, ...]]] = INITIAL
+    @property
+    def description(self) -> Description:
+        return DESCRIPTION
 
     @classmethod
     def from_model(cls, model: StrapdownScenario, folder: Path) -> StrapdownProblem:
