@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.scenario.error_names import UNITS
+from mcsim.scenario.error_quantities import UNITS
 from mcsim.scenario.run import MonteCarlo
 from mcsim.simulation.limits import may_wrap
 from mcsim.simulation.problem import Limit, Problem

@@ -19,7 +19,6 @@ from mcsim.engine import PointResult, point_key
 from mcsim.estimation import LOOKED_AT, takes_nets
 from mcsim.memory import HISTORY_REALIZATIONS, history_realizations
 from mcsim.scenario import UNITS
-from mcsim.scenario.error_names import ErrorName
 from mcsim.scenario_file import Point, Scenario
 from mcsim.simulation.problem import History
 from mcsim.statistics import statistic_names
@@ -82,7 +81,7 @@ def _simulated(point: Point, scenario: Scenario, result: PointResult) -> tuple[H
     return problem.history(key, 0, max(count, n_tracks), net), count, n_tracks
 
 
-def _in_table_unit(name: ErrorName, values: Any) -> Any:
+def _in_table_unit(name: str, values: Any) -> Any:
     return degrees(values) if UNITS[name] == "deg" else values
 
 

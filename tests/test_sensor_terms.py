@@ -18,11 +18,12 @@ from mcsim.scenario.paths import find_scalar
 from mcsim.scenario.sensor_file import SensorFile
 from mcsim.scenario.validation import validate
 from mcsim.scenario_file.schema import scenario_schema
-from mcsim.sensor_terms import TERMS
+from mcsim.sensor_terms import RESERVED, TERMS
 from mcsim.sensor_terms.channel import SIGNALS
 from mcsim.sensor_terms.mechanisms import event
 from mcsim.sensor_terms.mechanisms.digitise import Quantisation, Saturation, digitised
 from mcsim.sensor_terms.mechanisms.low_pass import LowPass
+from mcsim.sensor_terms.term import check
 from mcsim.sensors.simulated_log import SimulatedLog
 from mcsim.systems.planar.scenario import PlanarScenario
 from mcsim.systems.strapdown.scenario import StrapdownScenario
@@ -88,6 +89,15 @@ def is_noise(written, path, element):
 
 
 # Scenarios, files, schema
+
+
+@pytest.mark.parametrize(("element", "term"), OF_ELEMENT)
+def test_terms_of_the_list_are_terms_that_could_be_added(element, term):
+    check(term)
+    outer = [path.partition(".")[0] for path, _ in term.paths(element)]
+    assert not {*outer} & {*RESERVED}
+    others = [other for name, other in TERMS.items() if name != term.name]
+    assert not {*outer} & {path.partition(".")[0] for o in others for path, _ in o.paths(element)}
 
 
 @pytest.mark.parametrize(("element", "term"), OF_ELEMENT)
@@ -352,10 +362,11 @@ import numpy as np
 import mcsim
 from mcsim import InputError
 from mcsim.scenario_file.schema import scenario_schema
-from mcsim.sensor_terms import TERMS, Key, Term
-from mcsim.sensor_terms.mechanisms.mixing import Coefficient, Source
-from mcsim.sensor_terms.mechanisms.offset import Offset
 from tests.conftest import problem, scenario
+
+Offset, Coefficient = mcsim.mechanisms.Offset, mcsim.mechanisms.Coefficient
+OTHER_AXES = mcsim.mechanisms.Source.OTHER_AXES
+SensorKey, SensorTerm = mcsim.SensorKey, mcsim.SensorTerm
 
 AS_KNOWN = {"sensors.gyroscope.turn_on_bias": ["1 °/s", "2 °/s", "3 °/s"],
             "sensors.accelerometer.misalignment": "10 mrad"}
@@ -364,14 +375,14 @@ OWN = {"sensors.gyroscope.run_to_run_bias": ["1 °/s", "2 °/s", "3 °/s"],
 known = problem(AS_KNOWN).simulate(1, 0, 50).errors  # the blocks are in use
 scenario_schema()
 
-TERMS.add(Term(
+mcsim.add(SensorTerm(
     "run-to-run bias", Offset,
-    gyroscope=(Key("run_to_run_bias", "{signal}", "Another at each run.", "deviation"),),
+    gyroscope=(SensorKey("run_to_run_bias", "{signal}", "Another at each run.", "deviation"),),
 ))
-TERMS.add(Term(
+mcsim.add(SensorTerm(
     "cross-axis sensitivity",
-    lambda cross_axis_sensitivity: Coefficient(cross_axis_sensitivity, Source.OTHER_AXES),
-    (Key("cross_axis_sensitivity", "ratio", "Share of each other axis."),),
+    lambda cross_axis_sensitivity: Coefficient(cross_axis_sensitivity, OTHER_AXES),
+    (SensorKey("cross_axis_sensitivity", "ratio", "Share of each other axis."),),
 ))
 swept = {path: [value, value] for path, value in
          {"sensors.gyroscope.run_to_run_bias": "1 °/s",
@@ -382,12 +393,12 @@ run = mcsim.run(scenario({"sweep": swept, "monte_carlo.realizations": 100}))
 definitions = scenario_schema()["definitions"]
 refused = []
 for wrong in (
-    Term("a", Offset, (Key("turn_on_bias", "{signal}"),)),
-    Term("noise", Offset, (Key("b", "{signal}"),)),
-    Term("c", Offset, (Key("c", "furlongs"),)),
+    SensorTerm("a", Offset, (SensorKey("turn_on_bias", "{signal}"),)),
+    SensorTerm("noise", Offset, (SensorKey("b", "{signal}"),)),
+    SensorTerm("c", Offset, (SensorKey("c", "furlongs"),)),
 ):
     try:
-        TERMS.add(wrong)
+        mcsim.add(wrong)
     except InputError as error:
         refused.append(str(error))
 try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mcsim.scenario import Axis, Value
+from mcsim.scenario.error_quantities import ERROR_QUANTITIES, SIGNS
 
 _WORDS = {
     "sensors.rate": "sampling rate",
@@ -10,19 +11,6 @@ _WORDS = {
     "trajectory.width": "track width D",
     "trajectory.speed": "speed",
     "trajectory.deceleration": "deceleration",
-}
-_ERRORS = {
-    "along": "along-road error",
-    "across": "across-road error",
-    "height": "height error",
-    "position": "position error",
-    "roll": "roll error",
-    "pitch": "pitch error",
-    "heading": "heading error",
-    "course": "course error",
-    "velocity": "velocity error",
-    "mean_velocity": "error of the mean velocity",
-    "repeatability": "scatter of the runs",
 }
 STATISTICS = {
     "mean": "mean",
@@ -33,7 +21,6 @@ STATISTICS = {
     "p95": "95th percentile",
     "p97.5": "97.5th percentile",
 }
-SIGN_OF_UNIT = {"deg": "°", "m": "m", "m/s": "m/s"}
 
 
 def path_words(path: str) -> str:
@@ -66,13 +53,13 @@ def value_label(axis: Axis, value: Value) -> str:
 
 def error_label(errors: tuple[str, ...], statistic: str, unit: str) -> str:
     """Label of a vertical axis."""
-    name = _ERRORS[errors[0]] if len(errors) == 1 else "error"
-    return f"{name}, {STATISTICS[statistic]} [{SIGN_OF_UNIT[unit]}]"
+    name = ERROR_QUANTITIES[errors[0]].words if len(errors) == 1 else "error"
+    return f"{name}, {STATISTICS[statistic]} [{SIGNS[unit]}]"
 
 
 def error_words(error: str) -> str:
     """The name of an error."""
-    return _ERRORS[error]
+    return ERROR_QUANTITIES[error].words
 
 
 def confidence_words(sigmas: float) -> str:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from mcsim.figures import labels
 from mcsim.figures.style import curve_colour, house_style
 from mcsim.results import Results, at_the_end
-from mcsim.scenario import UNITS
+from mcsim.scenario.error_quantities import SIGNS, UNITS
 
 _SHOWN = ("mean", "std", "rms", "p95", "method")
 _NAMES = {**labels.STATISTICS, "method": "method error (no sensor error)"}
@@ -42,7 +42,7 @@ def draw_single(results: Results) -> Figure:
                 )
             axes.axhline(0.0, color="#6b7280", linewidth=0.8, zorder=1.5)
             axes.set_xticks(range(len(names)), [name.replace("_", " ") for name in names])
-            axes.set_ylabel(f"at the end [{labels.SIGN_OF_UNIT[UNITS[names[0]]]}]")
+            axes.set_ylabel(f"at the end [{SIGNS[UNITS[names[0]]]}]")
         handles, texts = axes.get_legend_handles_labels()
         figure.legend(handles, texts, loc="outside lower center", ncols=5)
         sigmas = results.scenario.base.monte_carlo.confidence

@@ -23,7 +23,7 @@ from mcsim.figures.style import (
 )
 from mcsim.results import METHOD, Results, at_the_end, in_unit_of_tables
 from mcsim.scenario import Axis, Value
-from mcsim.scenario.error_names import UNITS
+from mcsim.scenario.error_quantities import SIGNS, UNITS
 from mcsim.scenario.figure import Figure as FigureModel
 from mcsim.scenario.figure import Panel
 from mcsim.scenario_file import Scenario
@@ -379,7 +379,7 @@ def _draw_limit(axes: Axes, figure: FigureModel, unit: str) -> list[float]:
     shown = float(in_unit_of_tables(unit, limit))
     axes.axhline(shown, color="#6b7280", linestyle=(0, (6, 3)), linewidth=1.0, zorder=1.5)
     axes.annotate(
-        f"limit {shown:.3g} {labels.SIGN_OF_UNIT[unit]}",
+        f"limit {shown:.3g} {SIGNS[unit]}",
         (1.0, shown),
         xycoords=("axes fraction", "data"),
         xytext=(-2, 2),

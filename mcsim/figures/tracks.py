@@ -12,6 +12,7 @@ from matplotlib.patches import Ellipse
 from mcsim.figures import labels
 from mcsim.figures.style import house_style
 from mcsim.results import Results
+from mcsim.scenario.error_quantities import SIGNS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -147,4 +148,4 @@ def _draw_fan(axes: Axes, rows: pd.DataFrame, name: str) -> None:
     axes.axhline(0.0, color="#6b7280", linewidth=0.8, zorder=1.5)
     unit = rows["unit"].iloc[0]
     axes.set_xlabel("time [s]")
-    axes.set_ylabel(f"{labels.error_words(name)} [{labels.SIGN_OF_UNIT[unit]}]")
+    axes.set_ylabel(f"{labels.error_words(name)} [{SIGNS[unit]}]")

@@ -2,6 +2,6 @@
 
 from mcsim.scenario.axes import Axis, Value
 from mcsim.scenario.case import CaseScenario
-from mcsim.scenario.error_names import UNITS, ErrorName, ErrorRow
+from mcsim.scenario.error_quantities import UNITS, ErrorRow
 
-__all__ = ["UNITS", "Axis", "CaseScenario", "ErrorName", "ErrorRow", "Value"]
+__all__ = ["UNITS", "Axis", "CaseScenario", "ErrorRow", "Value"]

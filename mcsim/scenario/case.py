@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from mcsim.scenario.block import Block
-from mcsim.scenario.error_names import ErrorName, ErrorRow
+from mcsim.scenario.error_quantities import ErrorRow
 from mcsim.scenario.figure import Figure, Panel
 from mcsim.scenario.run import MonteCarlo, Outputs
 
@@ -14,9 +14,9 @@ class CaseScenario(Block):
     """A scenario of some case; each case adds the system that it simulates."""
 
     #: Errors that the case reports, in the order of every table.
-    ERRORS: ClassVar[tuple[ErrorName, ...]]
+    ERRORS: ClassVar[tuple[str, ...]]
     #: Errors that have a panel of their own where the figure block names none.
-    DRAWN: ClassVar[tuple[ErrorName, ...]]
+    DRAWN: ClassVar[tuple[str, ...]]
     #: Percentiles of every error that tables hold.
     PERCENTILES: ClassVar[tuple[float, ...]] = (0.50, 0.95)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from annotated_types import Len
-from pydantic import BeforeValidator, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, model_validator
 
 from mcsim.scenario.block import Block
-from mcsim.scenario.error_names import ERROR_NAMES, UNITS, ErrorName
+from mcsim.scenario.error_quantities import UNITS, OneOrMoreNames, known_name
 from mcsim.scenario.fields import Angle, Length, Positive, Speed, reject
 
 
@@ -20,17 +20,10 @@ class Panel(Block):
     """One pair of axes of a figure."""
 
     errors: Annotated[
-        tuple[ErrorName, ...],
+        tuple[Annotated[str, known_name()], ...],
         Len(1, 5),
         BeforeValidator(_as_tuple),
-        WithJsonSchema(
-            {
-                "oneOf": [
-                    {"enum": list(ERROR_NAMES)},
-                    {"type": "array", "items": {"enum": list(ERROR_NAMES)}, "minItems": 1},
-                ]
-            }
-        ),
+        OneOrMoreNames(),
     ]
     """The errors drawn."""
     x: str | None = None

@@ -33,7 +33,7 @@ from mcsim.sensor_terms.channel import ACCELEROMETER, GYROSCOPE, SIGNALS
 from mcsim.sensor_terms.mechanisms.mechanism import Acts, of_kind
 from mcsim.sensor_terms.mechanisms.offset import Offset
 from mcsim.sensor_terms.mechanisms.white import NOISE
-from mcsim.sensor_terms.term import Inner, Key, Term
+from mcsim.sensor_terms.term import InnerBlock, SensorKey, SensorTerm
 
 #: Axes of a sensor.
 N_AXES = 3
@@ -63,7 +63,7 @@ class OneOrThree:
 _PER_AXIS = (BeforeValidator(_per_axis), AfterValidator(_one_or_three), OneOrThree())
 
 
-def _quantity(key: Key, element: str) -> Any:
+def _quantity(key: SensorKey, element: str) -> Any:
     """The type of a key's value."""
     bound = Positive if key.positive else NotNegative
     one = Annotated[float, Quantity(key.kind_for(element)), bound]
@@ -76,7 +76,7 @@ class _Inner(Block):
     model_config = ConfigDict(use_attribute_docstrings=False)
 
 
-def _inner_block(inner: Inner, keys: Sequence[Key], element: str) -> type[Block]:
+def _inner_block(inner: InnerBlock, keys: Sequence[SensorKey], element: str) -> type[Block]:
     """The block within an element's block that holds the keys of one term."""
     title = f"{'Acceleration' if element == ACCELEROMETER else 'Rate'}{inner.title}"
     fields = {
@@ -85,7 +85,7 @@ def _inner_block(inner: Inner, keys: Sequence[Key], element: str) -> type[Block]
     return create_model(title, __base__=_Inner, __doc__=inner.text, **fields)  # type: ignore[call-overload]
 
 
-def _keys_of(term: Term, element: str) -> dict[str, tuple[Any, Any]]:
+def _keys_of(term: SensorTerm, element: str) -> dict[str, tuple[Any, Any]]:
     """What a term adds to an element's block: types and fields of its keys."""
     keys = term.keys(element)
     if term.inner and keys:
@@ -113,7 +113,7 @@ class _Element(Block):
         """Whether white noise is given, in one way or the other; zero is given."""
         return bool(self.values_of(TERMS[NOISE]))
 
-    def values_of(self, term: Term) -> dict[str, Any]:
+    def values_of(self, term: SensorTerm) -> dict[str, Any]:
         """The values that are written of a term, by the roles of its keys: SI, or tuples of it."""
         block = self if term.inner is None else getattr(self, term.inner.key, None)
         if block is None:
@@ -175,36 +175,20 @@ def _of_axis(value: Any, axis: int) -> float:
     return float(values[axis] if len(values) > 1 else values[0])
 
 
-def _hold(*terms: Term) -> None:
-    """Let the elements' blocks hold the keys of terms."""
+def _hold(term: SensorTerm) -> None:
+    """Let the elements' blocks hold the keys of a term."""
     for block in (AccelerometerErrors, GyroscopeErrors):
-        keys = [_keys_of(term, block.ELEMENT) for term in terms]
-        add_keys(block, {name: key for own in keys for name, key in own.items()})
+        add_keys(block, _keys_of(term, block.ELEMENT))
 
 
-def _taken(term: Term) -> None:
-    """Refuse a term with a key that a block has already.
-
-    Raises
-    ------
-    InputError
-        It has.
-    """
-    for block in (AccelerometerErrors, GyroscopeErrors):
-        for path, _ in term.paths(block.ELEMENT):
-            name = path.partition(".")[0]
-            if name in block.model_fields:
-                raise InputError(f"{term.name}: the {block.ELEMENT} has a key `{name}` already")
-
-
-def _hear(term: Term) -> None:
+def _hear(term: SensorTerm) -> None:
     """A term is added when blocks may be in use."""
-    _taken(term)
     _hold(term)
     rebuild()
 
 
-_hold(*TERMS.values())
+for _term in TERMS.values():
+    _hold(_term)
 TERMS.tell(_hear)
 
 #: Ways to write white noise.

@@ -5,6 +5,7 @@ A term says which keys scenarios and sensor files have for it and by which mecha
 kernels' error terms, simulated logs, the linear model and the names in budgets.
 """
 
+from mcsim.errors import InputError
 from mcsim.registry import Registry
 from mcsim.sensor_terms import (
     bandwidth,
@@ -21,10 +22,11 @@ from mcsim.sensor_terms import (
     spikes,
     turn_on_bias,
 )
-from mcsim.sensor_terms.term import Key, Term, check
+from mcsim.sensor_terms.channel import SIGNALS
+from mcsim.sensor_terms.term import SensorKey, SensorTerm, check
 
 #: In the order of the blocks' keys.
-TERMS: Registry[Term] = Registry(
+TERMS: Registry[SensorTerm] = Registry(
     "sensor term",
     (
         scale_factor.TERM,
@@ -42,12 +44,28 @@ TERMS: Registry[Term] = Registry(
         spikes.TERM,
     ),
 )
-for _term in TERMS.values():
-    check(_term)
+#: What stands in an element's block, or in its place in a sensor file, beside its terms.
+RESERVED = ("model", "rate", "axes", "data_sheet", "measured")
+
+
+def _refuse_taken(term: SensorTerm) -> None:
+    """Refuse a term with a key that blocks have already."""
+    for element in SIGNALS:
+        taken = {path.partition(".")[0] for path in _keys(element)}.union(RESERVED)
+        for name in (path.partition(".")[0] for path, _ in term.paths(element)):
+            if name in taken:
+                raise InputError(f"{term.name}: the {element} has a key `{name}` already")
+
+
+def _keys(element: str) -> dict[str, SensorKey]:
+    return {path: key for term in TERMS.values() for path, key in term.paths(element)}
+
+
 TERMS.tell(check)
+TERMS.tell(_refuse_taken)
 
 
-def find_key(path: str, element: str) -> Key:
+def find_key(path: str, element: str) -> SensorKey:
     """The key at a dotted path below an element's block, such as ``spikes.rate``.
 
     Raises
@@ -55,4 +73,4 @@ def find_key(path: str, element: str) -> Key:
     KeyError
         No term has it.
     """
-    return {own: key for term in TERMS.values() for own, key in term.paths(element)}[path]
+    return _keys(element)[path]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.sensor_terms.mechanisms.process import FirstOrder, Process, gauss_markov
-from mcsim.sensor_terms.term import Key, Term
+from mcsim.sensor_terms.term import SensorKey, SensorTerm
 
 Array = NDArray[np.float64]
 
@@ -59,15 +59,15 @@ _TEXT = (
     "reach to ten times the run (with `calibration` or `levelling`, run and rests together"
 )
 
-TERM = Term(
+TERM = SensorTerm(
     "bias instability",
     flicker,
     (
-        Key(
+        SensorKey(
             "bias_instability",
             "{signal}",
             f"{_TEXT}; in the velocity case, the rest and all runs).",
         ),
     ),
-    (Key("bias_instability", "{signal}", f"{_TEXT})."),),
+    (SensorKey("bias_instability", "{signal}", f"{_TEXT})."),),
 )

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mcsim.sensor_terms.mechanisms.process import FirstOrder, Process, gauss_markov
-from mcsim.sensor_terms.term import Inner, Key, Term
+from mcsim.sensor_terms.term import InnerBlock, SensorKey, SensorTerm
 
 _KEYS = (
-    Key("deviation", "{signal}", "Standard deviation of the process."),
-    Key(
+    SensorKey("deviation", "{signal}", "Standard deviation of the process."),
+    SensorKey(
         "correlation_time",
         "time",
         "Time after which the autocorrelation has fallen to 1/e.",
@@ -27,12 +27,12 @@ def drift(deviation: float, correlation_time: float) -> Process:
     return Process(parts)
 
 
-TERM = Term(
+TERM = SensorTerm(
     "Gauss-Markov drift",
     drift,
     _KEYS,
     _KEYS,
-    Inner(
+    InnerBlock(
         "gauss_markov",
         "Process",
         "A first-order Gauss-Markov process, in its stationary state.",

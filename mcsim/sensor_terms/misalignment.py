@@ -1,10 +1,10 @@
 """Axes that are not at right angles, or not where they should be."""
 
 from mcsim.sensor_terms.mechanisms.mixing import Coefficient, Source
-from mcsim.sensor_terms.term import Key, Term
+from mcsim.sensor_terms.term import SensorKey, SensorTerm
 
 _KEYS = (
-    Key(
+    SensorKey(
         "misalignment",
         "angle",
         "Standard deviation of the angles between the axes. Gravity shows by them in the level "
@@ -17,4 +17,4 @@ def _acts(misalignment: float) -> Coefficient:
     return Coefficient(misalignment, Source.OTHER_AXES)
 
 
-TERM = Term("misalignment", _acts, _KEYS, _KEYS)
+TERM = SensorTerm("misalignment", _acts, _KEYS, _KEYS)

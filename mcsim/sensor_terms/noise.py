@@ -1,10 +1,10 @@
 """White noise, as data sheets or as an Allan deviation tell it."""
 
 from mcsim.sensor_terms.mechanisms.white import NOISE, White
-from mcsim.sensor_terms.term import Key, Term
+from mcsim.sensor_terms.term import SensorKey, SensorTerm
 from mcsim.units import density_from_random_walk
 
-_DENSITY = Key(
+_DENSITY = SensorKey(
     "noise_density",
     "{signal} noise density",
     "White noise, one-sided density as data sheets print it.",
@@ -16,10 +16,10 @@ def _acts(noise_density: float = 0.0, walk: float | None = None) -> White:
     return White(noise_density if walk is None else density_from_random_walk(1.0) * walk)
 
 
-TERM = Term(
+TERM = SensorTerm(
     NOISE,
     _acts,
-    (_DENSITY, Key("velocity_random_walk", "velocity random walk", _AS_WALK, "walk")),
-    (_DENSITY, Key("angle_random_walk", "angle random walk", _AS_WALK, "walk")),
+    (_DENSITY, SensorKey("velocity_random_walk", "velocity random walk", _AS_WALK, "walk")),
+    (_DENSITY, SensorKey("angle_random_walk", "angle random walk", _AS_WALK, "walk")),
     alternatives=True,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mcsim.sensor_terms.mechanisms.process import FirstOrder, Process, random_walk
-from mcsim.sensor_terms.term import Key, Term
+from mcsim.sensor_terms.term import SensorKey, SensorTerm
 
 
 def walk(intensity: float) -> Process:
@@ -17,16 +17,16 @@ def walk(intensity: float) -> Process:
     return Process(parts)
 
 
-TERM = Term(
+TERM = SensorTerm(
     "random walk",
     walk,
     (
-        Key(
+        SensorKey(
             "acceleration_random_walk",
             "acceleration random walk",
             "Allan's K.",
             role="intensity",
         ),
     ),
-    (Key("rate_random_walk", "rate random walk", "Allan's K.", role="intensity"),),
+    (SensorKey("rate_random_walk", "rate random walk", "Allan's K.", role="intensity"),),
 )

@@ -1,8 +1,8 @@
 """The step of a digital output."""
 
 from mcsim.sensor_terms.mechanisms.digitise import QUANTISATION, Quantisation
-from mcsim.sensor_terms.term import Key, Term
+from mcsim.sensor_terms.term import SensorKey, SensorTerm
 
-_KEYS = (Key("resolution", "{signal}", "Quantisation step.", role="step"),)
+_KEYS = (SensorKey("resolution", "{signal}", "Quantisation step.", role="step"),)
 
-TERM = Term(QUANTISATION, Quantisation, _KEYS, _KEYS)
+TERM = SensorTerm(QUANTISATION, Quantisation, _KEYS, _KEYS)

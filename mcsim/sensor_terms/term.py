@@ -12,7 +12,7 @@ from mcsim.units import KINDS
 
 
 @dataclass(frozen=True)
-class Key:
+class SensorKey:
     """A quantity that an element's block may hold.
 
     Parameters
@@ -45,7 +45,7 @@ class Key:
 
 
 @dataclass(frozen=True)
-class Inner:
+class InnerBlock:
     """The block within an element's block that holds the keys of a term.
 
     ``key`` is its name there, ``title`` names it in the schema, ``text`` says what it is.
@@ -57,7 +57,7 @@ class Inner:
 
 
 @dataclass(frozen=True)
-class Term:
+class SensorTerm:
     """A term of a sensor's error model.
 
     Parameters
@@ -67,9 +67,9 @@ class Term:
     acts : callable
         The mechanism on one channel from the values written for its axis, by the roles of their
         keys, SI.  It is not asked where none is written.
-    accelerometer, gyroscope : tuple of Key
+    accelerometer, gyroscope : tuple of SensorKey
         The keys in each element's block; none if the element has no such term.
-    inner : Inner, optional
+    inner : InnerBlock, optional
         The block within the element's that holds all keys, which are all needed then.
     alternatives : bool
         Whether the keys are ways to write one quantity, of which a block may use one.
@@ -77,22 +77,22 @@ class Term:
 
     name: str
     acts: Callable[..., Mechanism]
-    accelerometer: tuple[Key, ...] = ()
-    gyroscope: tuple[Key, ...] = ()
-    inner: Inner | None = None
+    accelerometer: tuple[SensorKey, ...] = ()
+    gyroscope: tuple[SensorKey, ...] = ()
+    inner: InnerBlock | None = None
     alternatives: bool = False
 
-    def keys(self, element: str) -> tuple[Key, ...]:
+    def keys(self, element: str) -> tuple[SensorKey, ...]:
         """The keys in the block of an element."""
         return self.accelerometer if element == ACCELEROMETER else self.gyroscope
 
-    def paths(self, element: str) -> Iterator[tuple[str, Key]]:
+    def paths(self, element: str) -> Iterator[tuple[str, SensorKey]]:
         """The keys with their dotted paths below the element's block."""
         for key in self.keys(element):
             yield (f"{self.inner.key}.{key.name}" if self.inner else key.name), key
 
 
-def check(term: Term) -> None:
+def check(term: SensorTerm) -> None:
     """Refuse a term whose keys no block can hold.
 
     Raises

@@ -1,10 +1,10 @@
 """The bias that is another at each turn-on."""
 
 from mcsim.sensor_terms.mechanisms.offset import Offset
-from mcsim.sensor_terms.term import Key, Term
+from mcsim.sensor_terms.term import SensorKey, SensorTerm
 
 _KEYS = (
-    Key(
+    SensorKey(
         "turn_on_bias",
         "{signal}",
         "Standard deviation of the bias drawn at each turn-on.",
@@ -12,4 +12,4 @@ _KEYS = (
     ),
 )
 
-TERM = Term("turn-on bias", Offset, _KEYS, _KEYS)
+TERM = SensorTerm("turn-on bias", Offset, _KEYS, _KEYS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -45,8 +44,3 @@ def drawn(deviations: Mapping[str, Array], channels: int, seed: int) -> Array:
 def variance(weights: Array, deviation: float) -> Array:
     """Variance (e,) of errors that have these ``weights`` (e,) per offset."""
     return np.asarray(weights**2 * deviation**2)
-
-
-def deviation_of(offsets: Mapping[str, Offset]) -> float:
-    """Standard deviation of a channel's offsets together."""
-    return math.hypot(*(offset.deviation for offset in offsets.values()))

@@ -6,7 +6,6 @@ from typing import Annotated, ClassVar, Literal
 
 from mcsim.scenario.block import Block
 from mcsim.scenario.case import CaseScenario
-from mcsim.scenario.error_names import ErrorName
 from mcsim.scenario.initial import Initial
 from mcsim.scenario.rules import Rules
 from mcsim.scenario.sensors import Sensors
@@ -26,8 +25,8 @@ class Reconstruction(Block):
 class PlanarScenario(CaseScenario):
     """2-D dead reckoning from two accelerometer axes and one gyroscope."""
 
-    ERRORS: ClassVar[tuple[ErrorName, ...]] = ("along", "across", "position", "heading", "course")
-    DRAWN: ClassVar[tuple[ErrorName, ...]] = ("along", "across", "heading", "course")
+    ERRORS: ClassVar[tuple[str, ...]] = ("along", "across", "position", "heading", "course")
+    DRAWN: ClassVar[tuple[str, ...]] = ("along", "across", "heading", "course")
 
     case: Literal["planar"]
     trajectory: Trajectory

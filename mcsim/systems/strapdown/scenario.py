@@ -9,7 +9,6 @@ from pydantic import model_validator
 
 from mcsim.scenario.block import Block
 from mcsim.scenario.case import CaseScenario
-from mcsim.scenario.error_names import ErrorName
 from mcsim.scenario.fields import (
     Acceleration,
     Angle,
@@ -118,7 +117,7 @@ class StrapdownInitial(Initial):
 class StrapdownScenario(CaseScenario):
     """3-D dead reckoning from three accelerometer axes and three gyroscopes."""
 
-    ERRORS: ClassVar[tuple[ErrorName, ...]] = (
+    ERRORS: ClassVar[tuple[str, ...]] = (
         "along",
         "across",
         "height",
@@ -128,7 +127,7 @@ class StrapdownScenario(CaseScenario):
         "heading",
         "course",
     )
-    DRAWN: ClassVar[tuple[ErrorName, ...]] = (
+    DRAWN: ClassVar[tuple[str, ...]] = (
         "along",
         "across",
         "height",

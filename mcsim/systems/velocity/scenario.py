@@ -11,7 +11,7 @@ from pydantic import FiniteFloat, ModelWrapValidatorHandler, field_validator, mo
 
 from mcsim.scenario.block import Block, Whole
 from mcsim.scenario.case import CaseScenario
-from mcsim.scenario.error_names import ErrorName, ErrorRow
+from mcsim.scenario.error_quantities import ErrorRow
 from mcsim.scenario.fields import (
     Acceleration,
     Angle,
@@ -265,8 +265,8 @@ class BudgetPoint(Block):
 class VelocityScenario(CaseScenario):
     """1-D velocity from a tri-axial accelerometer, with an uncertainty budget."""
 
-    ERRORS: ClassVar[tuple[ErrorName, ...]] = ("velocity", "mean_velocity", "repeatability")
-    DRAWN: ClassVar[tuple[ErrorName, ...]] = ERRORS
+    ERRORS: ClassVar[tuple[str, ...]] = ("velocity", "mean_velocity", "repeatability")
+    DRAWN: ClassVar[tuple[str, ...]] = ERRORS
     # The ends of the 95 % coverage interval that JCGM 101 asks for are among them.
     PERCENTILES: ClassVar[tuple[float, ...]] = (0.025, 0.50, 0.95, 0.975)
 
