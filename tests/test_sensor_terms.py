@@ -5,8 +5,10 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import mcsim
@@ -32,6 +34,7 @@ from mcsim.units import KINDS
 from tests import conftest, strapdown
 from tests.conftest import NO_NOISE
 
+EXAMPLES = Path(__file__).parents[1] / "docs" / "examples"
 #: Values where the example of a kind of quantity is not a fair one.
 VALUES = {
     "spikes.rate": "10 Hz",
@@ -42,12 +45,8 @@ VALUES = {
     "resolution": {"acceleration": "0.04 m/s²", "angular rate": "0.3 °/s"},
     "range": {"acceleration": "1 m/s²", "angular rate": "3 °/s"},
 }
-OF_ELEMENT = [
-    pytest.param(element, term, id=f"{element} {name}")
-    for name, term in TERMS.items()
-    for element in SIGNALS
-    if term.keys(element)
-]
+PAIRS = [(e, term) for term in TERMS.values() for e in SIGNALS if term.keys(e)]
+OF_ELEMENT = [pytest.param(*pair, id=f"{pair[0]} {pair[1].name}") for pair in PAIRS]
 #: Terms by which a sensor errs the same way each time.
 CERTAIN = (Saturation, LowPass)
 
@@ -204,8 +203,7 @@ def validated(element, written):
 
 def test_the_budget_names_every_term():
     values, sources = {}, set()
-    for parameters in OF_ELEMENT:
-        element, term = parameters.values
+    for element, term in PAIRS:
         written = ways(element, term)[0]
         if not is_noise(written, f"sensors.{element}.", element):
             values |= overrides(element, written)
@@ -358,16 +356,15 @@ def test_spikes_counted_after_poisson_would_be_seen():
 
 OUTSIDE = """
 import json, sys
+from pathlib import Path
 import numpy as np
 import mcsim
 from mcsim import InputError
+from mcsim.cli.own import run_own
 from mcsim.scenario_file.schema import scenario_schema
 from tests.conftest import problem, scenario
 
-Offset, Coefficient = mcsim.mechanisms.Offset, mcsim.mechanisms.Coefficient
-OTHER_AXES = mcsim.mechanisms.Source.OTHER_AXES
-SensorKey, SensorTerm = mcsim.SensorKey, mcsim.SensorTerm
-
+SensorKey, SensorTerm, Offset = mcsim.SensorKey, mcsim.SensorTerm, mcsim.mechanisms.Offset
 AS_KNOWN = {"sensors.gyroscope.turn_on_bias": ["1 °/s", "2 °/s", "3 °/s"],
             "sensors.accelerometer.misalignment": "10 mrad"}
 OWN = {"sensors.gyroscope.run_to_run_bias": ["1 °/s", "2 °/s", "3 °/s"],
@@ -375,21 +372,7 @@ OWN = {"sensors.gyroscope.run_to_run_bias": ["1 °/s", "2 °/s", "3 °/s"],
 known = problem(AS_KNOWN).simulate(1, 0, 50).errors  # the blocks are in use
 scenario_schema()
 
-mcsim.add(SensorTerm(
-    "run-to-run bias", Offset,
-    gyroscope=(SensorKey("run_to_run_bias", "{signal}", "Another at each run.", "deviation"),),
-))
-mcsim.add(SensorTerm(
-    "cross-axis sensitivity",
-    lambda cross_axis_sensitivity: Coefficient(cross_axis_sensitivity, OTHER_AXES),
-    (SensorKey("cross_axis_sensitivity", "ratio", "Share of each other axis."),),
-))
-swept = {path: [value, value] for path, value in
-         {"sensors.gyroscope.run_to_run_bias": "1 °/s",
-          "sensors.accelerometer.cross_axis_sensitivity": "2 %"}.items()}
-swept["sensors.gyroscope.run_to_run_bias"][1] = "2 °/s"
-swept["sensors.accelerometer.cross_axis_sensitivity"][1] = "3 %"
-run = mcsim.run(scenario({"sweep": swept, "monte_carlo.realizations": 100}))
+run_own(Path(sys.argv[1]))
 definitions = scenario_schema()["definitions"]
 refused = []
 for wrong in (
@@ -407,33 +390,43 @@ except InputError as error:
     refused.append(str(error))
 json.dump({
     "same": bool(np.array_equal(problem(OWN).simulate(1, 0, 50).errors, known)),
-    "sources": sorted(set(run.budget["source"])),
-    "points": len(run.table.drop_duplicates(run.table.columns[:2].tolist())),
-    "gyroscope": "Another at each run." in json.dumps(definitions["Gyroscope"]),
-    "accelerometer": "Share of each other axis." in json.dumps(definitions["AccelerometerErrors"]),
+    "gyroscope": "drawn at each run." in json.dumps(definitions["Gyroscope"]),
+    "accelerometer": "each other axis adds." in json.dumps(definitions["AccelerometerErrors"]),
     "refused": refused,
 }, sys.stdout)
 """
 
 
+def outside(*arguments):
+    """In a process of its own: a term that is added stays."""
+    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.slow
 def test_terms_may_be_added_from_outside_while_blocks_are_in_use():
     """They do what the known terms do whose mechanisms they share, to the last bit."""
-    done = subprocess.run(
-        [sys.executable, "-c", OUTSIDE], capture_output=True, text=True, check=False
-    )
+    done = outside("-c", OUTSIDE, str(EXAMPLES / "run_to_run_bias.py"))
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert told["same"]
-    assert {"gyroscope run-to-run bias", "accelerometer cross-axis sensitivity"} <= set(
-        told["sources"]
-    )
-    assert told["points"] == 4
     assert told["gyroscope"]
     assert told["accelerometer"]
-    words = (
-        "a key `turn_on_bias` already",
-        "sensor term of that name",
-        '"furlongs"',
-        "to_run_bias",
-    )
+    words = ("key `turn_on_bias` already", "sensor term of that name", '"furlongs"', "to_run_bias")
     assert all(word in text for word, text in zip(words, told["refused"], strict=True))
+
+
+@pytest.mark.slow
+def test_a_term_of_a_users_own_runs_from_a_scenario_to_table_and_picture(tmp_path):
+    own, file = EXAMPLES / "run_to_run_bias.py", EXAMPLES / "run_to_run_bias.yaml"
+    command = ("-m", "mcsim", "run", str(file), "--output", str(tmp_path))
+    done = outside(*command, "--with", str(own))
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "run_to_run_bias"
+    table = pd.read_csv(folder / "table.csv")
+    assert len(table.drop_duplicates(table.columns[:2].tolist())) == 6
+    sources = set(pd.read_csv(folder / "budget.csv")["source"])
+    assert {"gyroscope run-to-run bias", "accelerometer cross-axis sensitivity"} <= sources
+    assert (folder / "figure.png").stat().st_size > 10_000
+    without = outside(*command)
+    assert without.returncode == 2
+    assert "cross_axis_sensitivity: the scenario has no scalar of that name" in without.stderr

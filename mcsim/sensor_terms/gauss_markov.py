@@ -8,7 +8,7 @@ from mcsim.sensor_terms.mechanisms.process import FirstOrder, Process, gauss_mar
 from mcsim.sensor_terms.term import InnerBlock, SensorKey, SensorTerm
 
 _KEYS = (
-    SensorKey("deviation", "{signal}", "Standard deviation of the process."),
+    SensorKey("deviation", "{signal}", "Standard deviation of the process.", scales=True),
     SensorKey(
         "correlation_time",
         "time",

@@ -9,8 +9,11 @@ _KEYS = (
         "frequency",
         "Mean number per second and axis; a sample has one or none.",
         per_axis=False,
+        scales=True,
     ),
-    SensorKey("amplitude", "{signal}", "What a spike adds or takes away.", per_axis=False),
+    SensorKey(
+        "amplitude", "{signal}", "What a spike adds or takes away.", per_axis=False, scales=True
+    ),
 )
 
 TERM = SensorTerm(

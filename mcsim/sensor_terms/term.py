@@ -30,6 +30,8 @@ class SensorKey:
         Whether zero is no value of it.
     per_axis : bool
         Whether it may be a list [x, y, z].
+    scales : bool
+        Whether zero leaves nothing of the term, so that its other keys have no effect.
     """
 
     name: str
@@ -38,6 +40,7 @@ class SensorKey:
     role: str = ""
     positive: bool = False
     per_axis: bool = True
+    scales: bool = False
 
     def kind_for(self, element: str) -> str:
         """The kind of quantity in the block of an element."""
