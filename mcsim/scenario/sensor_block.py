@@ -70,8 +70,8 @@ def _quantity(key: SensorKey, element: str) -> Any:
     return Annotated[tuple[one, ...], *_PER_AXIS] if key.per_axis else one
 
 
-class _Inner(Block):
-    """A block whose keys come with their texts: there is no source to look for them."""
+class _Described(Block):
+    """A block whose keys bring their texts: nobody has to read its source for them."""
 
     model_config = ConfigDict(use_attribute_docstrings=False)
 
@@ -82,7 +82,7 @@ def _inner_block(inner: InnerBlock, keys: Sequence[SensorKey], element: str) -> 
     fields = {
         key.name: (_quantity(key, element), Field(description=key.text or None)) for key in keys
     }
-    return create_model(title, __base__=_Inner, __doc__=inner.text, **fields)  # type: ignore[call-overload]
+    return create_model(title, __base__=_Described, __doc__=inner.text, **fields)  # type: ignore[call-overload]
 
 
 def _keys_of(term: SensorTerm, element: str) -> dict[str, tuple[Any, Any]]:
@@ -100,13 +100,15 @@ def _keys_of(term: SensorTerm, element: str) -> dict[str, tuple[Any, Any]]:
     }
 
 
-class _Element(Block):
+class _Element(_Described):
     """What both elements have."""
 
     ELEMENT: ClassVar[str]
-    model: str | None = None
-    """Name of a built-in sensor (`mcsim sensors`), or a sensor file such as `mcsim
-    characterise` writes; its values hold unless written here."""
+    model: str | None = Field(
+        default=None,
+        description="Name of a built-in sensor (`mcsim sensors`), or a sensor file such as `mcsim "
+        "characterise` writes; its values hold unless written here.",
+    )
 
     @property
     def has_noise(self) -> bool:
