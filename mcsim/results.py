@@ -22,7 +22,7 @@ from mcsim.scenario_file import Point, Scenario
 from mcsim.scenario_file.effect import without_effect
 from mcsim.statistics import statistic_names
 from mcsim.sweep import SweepResult, check_points, describe_point
-from mcsim.tracks import drive_of
+from mcsim.tracks import TrackBlock, drive_of
 from mcsim.units import degrees
 from mcsim.version import __version__
 
@@ -119,7 +119,9 @@ def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
 def _notes_of_track(scenario: Scenario) -> tuple[str, ...]:
     """How the first point's track was read."""
     track = getattr(scenario.points[0].model, "trajectory", None)
-    return drive_of(track, scenario.folder).manoeuvre.notes if track is not None else ()
+    if not isinstance(track, TrackBlock):
+        return ()
+    return drive_of(track, scenario.folder).manoeuvre.notes
 
 
 def in_table_unit(name: str, value: Any) -> Any:
