@@ -86,7 +86,7 @@ _WHERE = {
     "OwnReckoning": "mcsim.simulation.own_motion",
     "samples_of": "mcsim.simulation.driven",
     "Sensors": "mcsim.scenario.sensors",
-    "Trajectory": "mcsim.scenario.tracks",
+    "Trajectory": "mcsim.tracks",
     "SensorKey": "mcsim.sensor_terms.term",
     "SensorTerm": "mcsim.sensor_terms.term",
     "mechanisms": "mcsim.sensor_terms",

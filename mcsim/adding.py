@@ -16,6 +16,11 @@ KINDS: dict[str, tuple[str, str]] = {
         "mcsim.scenario.error_quantities:ErrorQuantity",
         "mcsim.scenario.error_quantities:ERROR_QUANTITIES",
     ),
+    "Track": ("mcsim.tracks:Track", "mcsim.tracks:TRACKS"),
+    "Excitation": (
+        "mcsim.vibration.excitations:Excitation",
+        "mcsim.vibration.excitations:EXCITATIONS",
+    ),
 }
 
 

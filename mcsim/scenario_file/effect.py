@@ -9,20 +9,13 @@ from typing import TYPE_CHECKING, Any
 from mcsim.scenario.document import get_path
 from mcsim.scenario.idle import IdleKey
 from mcsim.scenario.paths import split_path
-from mcsim.scenario.tracks import Recorded
 from mcsim.sensor_terms import TERMS
 from mcsim.sensor_terms.channel import SIGNALS
 from mcsim.systems import SYSTEMS
+from mcsim.tracks import TrackBlock, track_of
 
 if TYPE_CHECKING:
     from mcsim.scenario_file.scenario import Scenario
-
-
-def _has_no_angles(model: Any) -> bool:
-    track = getattr(model, "trajectory", None)
-    if not isinstance(track, Recorded):
-        return False
-    return track.columns.course is None and track.columns.heading is None
 
 
 def _beside_linear(key: str, reason: str) -> IdleKey:
@@ -72,9 +65,6 @@ COMMON: tuple[IdleKey, ...] = (
         lambda model: getattr(getattr(model, "trajectory", None), "side_slip", None) == 0.0,
         "`trajectory.side_slip` is zero",
     ),
-    IdleKey(
-        "trajectory.angles", ("trajectory.columns",), _has_no_angles, "no recorded angle is used"
-    ),
 )
 
 
@@ -86,7 +76,8 @@ def without_effect(scenario: Scenario) -> list[str]:
 def _sentences(scenario: Scenario) -> Iterator[str]:
     swept = [axis.path for axis in scenario.axes]
     document = scenario.document
-    for rule in (*COMMON, *of_terms(), *SYSTEMS[scenario.base.case].idle):
+    own = (*of_terms(), *_of_track(scenario.base), *SYSTEMS[scenario.base.case].idle)
+    for rule in (*COMMON, *own):
         keys = split_path(rule.path)
         written = get_path(document.tree, keys) is not None or rule.path in swept
         decided = any(path.startswith(rule.deciding) for path in swept if path != rule.path)
@@ -98,6 +89,12 @@ def _sentences(scenario: Scenario) -> Iterator[str]:
         path = "monte_carlo.common_random_numbers"
         place = document.place(split_path(path))
         yield f"{place}: {path} has no effect: nothing is swept"
+
+
+def _of_track(model: Any) -> tuple[IdleKey, ...]:
+    """The rules of the scenario's shape of track, if it has one."""
+    track = getattr(model, "trajectory", None)
+    return track_of(track).idle if isinstance(track, TrackBlock) else ()
 
 
 def _is_default(model: Any, path: str) -> bool:

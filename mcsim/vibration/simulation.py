@@ -12,7 +12,7 @@ from mcsim.sensor_terms.channel import ACCELEROMETER, Channel
 from mcsim.sensors.error_model import ChannelErrors, element_errors
 from mcsim.sensors.simulated_log import SimulatedLog
 from mcsim.units import STANDARD_GRAVITY
-from mcsim.vibration.excitation import acceleration
+from mcsim.vibration.excitations import acceleration
 from mcsim.vibration.log import Log
 from mcsim.vibration.scenario import VibrationScenario
 
