@@ -22,7 +22,7 @@ from mcsim.scenario_file import Point, Scenario
 from mcsim.scenario_file.effect import without_effect
 from mcsim.statistics import statistic_names
 from mcsim.sweep import SweepResult, check_points, describe_point
-from mcsim.trajectory import drive_notes
+from mcsim.tracks import drive_notes
 from mcsim.units import degrees
 from mcsim.version import __version__
 

@@ -163,14 +163,14 @@ def _engine(
     rpm: float | None, cylinders: int | None, scenario: VibrationScenario | None
 ) -> Engine | None:
     from mcsim.vibration.analysis import Engine
-    from mcsim.vibration.scenario import Harmonic
 
     if rpm is not None:
         if not 0.0 < rpm < 1e6:
             raise InputError(f"--rpm {rpm:g}: must be above zero and below a million")
         return Engine(rpm / 60.0, cylinders or 4)
-    if scenario is not None and isinstance(scenario.excitation, Harmonic):
-        return Engine(scenario.excitation.speed, cylinders or scenario.excitation.cylinders)
+    if scenario is not None and scenario.excitation.engine is not None:
+        speed, own = scenario.excitation.engine
+        return Engine(speed, cylinders or own)
     if cylinders is not None:
         raise InputError("--cylinders needs the engine's speed: give --rpm too")
     return None

@@ -8,18 +8,11 @@ from typing import TYPE_CHECKING, Any
 from mcsim.scenario.document import get_path
 from mcsim.scenario.idle import IdleKey
 from mcsim.scenario.paths import split_path
-from mcsim.scenario.tracks import Recorded
 from mcsim.systems import SYSTEMS
+from mcsim.tracks import idle_keys
 
 if TYPE_CHECKING:
     from mcsim.scenario_file.scenario import Scenario
-
-
-def _has_no_angles(model: Any) -> bool:
-    track = getattr(model, "trajectory", None)
-    if not isinstance(track, Recorded):
-        return False
-    return track.columns.course is None and track.columns.heading is None
 
 
 def _beside_linear(key: str, reason: str) -> IdleKey:
@@ -70,9 +63,6 @@ COMMON: tuple[IdleKey, ...] = (
         lambda model: getattr(getattr(model, "trajectory", None), "side_slip", None) == 0.0,
         "`trajectory.side_slip` is zero",
     ),
-    IdleKey(
-        "trajectory.angles", ("trajectory.columns",), _has_no_angles, "no recorded angle is used"
-    ),
 )
 
 
@@ -84,7 +74,8 @@ def without_effect(scenario: Scenario) -> list[str]:
 def _sentences(scenario: Scenario) -> Iterator[str]:
     swept = [axis.path for axis in scenario.axes]
     document = scenario.document
-    for rule in (*COMMON, *SYSTEMS[scenario.base.case].idle):
+    of_track = idle_keys(getattr(scenario.base, "trajectory", None))
+    for rule in (*COMMON, *of_track, *SYSTEMS[scenario.base.case].idle):
         keys = split_path(rule.path)
         written = get_path(document.tree, keys) is not None or rule.path in swept
         decided = any(path.startswith(rule.deciding) for path in swept if path != rule.path)

@@ -10,7 +10,7 @@ from mcsim.sensors.error_model import ACCELEROMETER, Channel, channel_errors, pe
 from mcsim.simulation.planar import CHANNELS, RATES, PlanarProblem, initial_deviations
 from mcsim.simulation.planar_samples import course_missing, sampled
 from mcsim.systems.planar.scenario import PlanarScenario
-from mcsim.trajectory import drive_of
+from mcsim.tracks import drive_of
 from mcsim.units import STANDARD_GRAVITY
 
 #: The axis of gravity, which a level vehicle does not measure, and the true signals at rest.
