@@ -20,7 +20,7 @@ from mcsim.engine import collect, random_key, run_point
 from mcsim.estimation import LOOKED_AT
 from mcsim.scenario.run import MonteCarlo
 from mcsim.simulation.problem import Problem
-from mcsim.statistics import estimate, statistic_names
+from mcsim.statistics import estimate, estimated
 from tests.conftest import ALL_ERRORS, problem, scenario
 from tests.strapdown import problem as problem_in_space
 
@@ -151,7 +151,7 @@ def main() -> None:
     arguments = parser.parse_args()
     print(f"{arguments.trials} trials, seed {arguments.seed}; coverage of intervals of")
     print("95 % and 99.73 %, mean (worst) of the errors")
-    names = statistic_names((0.5, 0.95))
+    names = tuple(estimated())
     shown = [0, 1, 2, 4]
     print(f"{'':45}" + "".join(f"{names[k]:^29}" for k in shown))
     for case in arguments.case or CASES:

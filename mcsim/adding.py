@@ -16,6 +16,7 @@ KINDS: dict[str, tuple[str, str]] = {
         "mcsim.scenario.error_quantities:ErrorQuantity",
         "mcsim.scenario.error_quantities:ERROR_QUANTITIES",
     ),
+    "Statistic": ("mcsim.statistics:Statistic", "mcsim.statistics:STATISTICS"),
     "Track": ("mcsim.tracks:Track", "mcsim.tracks:TRACKS"),
     "Excitation": (
         "mcsim.vibration.excitations:Excitation",

@@ -15,7 +15,6 @@ import numpy as np
 from mcsim.engine import PointResult
 from mcsim.errors import InputError
 from mcsim.files import check_file, readable
-from mcsim.results import statistics_of
 from mcsim.scenario_file import Scenario
 from mcsim.statistics import Estimates
 from mcsim.version import __version__
@@ -174,6 +173,7 @@ def _encode(index: int, result: PointResult) -> dict[str, Any]:
     estimates = result.estimates
     return {
         "index": index,
+        "statistics": list(estimates.statistics),
         "value": exact(estimates.value),
         "low": exact(estimates.low),
         "high": exact(estimates.high),
@@ -191,7 +191,11 @@ def _decode(record: dict[str, Any]) -> tuple[int, PointResult]:
         return np.array([[float.fromhex(x) for x in row] for row in record[name]])
 
     estimates = Estimates(
-        exact("value"), exact("low"), exact("high"), np.array(record["degenerate"], bool)
+        tuple(record["statistics"]),
+        exact("value"),
+        exact("low"),
+        exact("high"),
+        np.array(record["degenerate"], bool),
     )
     return int(record["index"]), PointResult(
         estimates,
@@ -208,10 +212,11 @@ def _refuse_unfit(scenario: Scenario, index: int, result: PointResult) -> None:
     if not 0 <= index < scenario.n_points:
         raise IndexError(index)
     model = scenario.points[index].model
-    rows = len(model.error_rows)
-    # The last of a table's statistics, the method error, is no estimate.
-    table = (rows, len(statistics_of(model)) - 1)
     estimates = result.estimates
+    if estimates.statistics != tuple(model.statistics()):
+        raise ValueError(index)
+    rows = len(model.error_rows)
+    table = (rows, len(estimates.statistics))
     shapes = [
         (table, estimates.value),
         (table, estimates.low),

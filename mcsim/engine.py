@@ -22,7 +22,7 @@ from mcsim.remarks import (
 )
 from mcsim.scenario.run import MonteCarlo
 from mcsim.simulation.problem import Limit, Problem
-from mcsim.statistics import KEPT, MOMENTS, Collector, Estimates, estimate, statistic_names
+from mcsim.statistics import KEPT, Collector, Distribution, Estimates, estimate, estimated
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,6 @@ _CHECK = {
     "resamples": 1000,
 }
 CONTRADICTION = 0.01
-_RMS = MOMENTS.index("rms")
 
 
 @dataclass(frozen=True)
@@ -90,9 +89,12 @@ def run_point(
     limits = problem.limits(key, min(count, LOOKED_AT))
     notes: Notes = {}
     told = _Told(progress)
+    statistics = estimated(problem.percentiles)
     while True:
         collector = collect(problem, settings, count, limits, key, threads, told.begin())
-        estimates = estimate(collector, settings.confidence, settings.resamples, bootstrap_key)
+        estimates = estimate(
+            collector, settings.confidence, settings.resamples, bootstrap_key, statistics
+        )
         if settings.precision is None:
             break
         wider = _widest(estimates) / settings.precision
@@ -175,13 +177,13 @@ def _linear_point(problem: Problem, settings: MonteCarlo, key: int) -> PointResu
     """The linear model's answer, with a note where a Monte-Carlo run contradicts it."""
     estimates = linear_estimates(problem)
     checked = run_point(problem, settings.model_copy(update=_CHECK), key)
-    names = statistic_names(problem.percentiles)
+    names = estimates.statistics
     low, high = checked.estimates.low, checked.estimates.high
     misses = np.abs(estimates.value - checked.estimates.value)
     with np.errstate(invalid="ignore"):
         # Means and percentiles may be zero: the RMS is what they are compared with.
         contradicted = ((estimates.value < low) | (estimates.value > high)) & (
-            misses > CONTRADICTION * checked.estimates.value[:, [_RMS]]
+            misses > CONTRADICTION * checked.estimates.of("rms").value[:, None]
         )
     notes: Notes = {}
     for name, row in zip(problem.error_names, contradicted, strict=True):
@@ -205,19 +207,14 @@ def _linear_point(problem: Problem, settings: MonteCarlo, key: int) -> PointResu
 
 def linear_estimates(problem: Problem) -> Estimates:
     """What the linear model says of every statistic; the intervals have no width."""
-    from scipy.special import ndtri
-
     linear, method = problem.linear, problem.method_errors()
-    percentiles = problem.percentiles
     std = np.sqrt(np.maximum(linear.second_moment - linear.mean**2, 0.0))
-    mean = method + linear.mean
-    value = np.stack(
-        [mean, std, np.hypot(mean, std), *(mean + std * ndtri(p) for p in percentiles)], axis=1
-    )
-    for row, quantile in linear.quantiles.items():
-        value[row, len(MOMENTS) :] = [quantile(p) for p in percentiles]
+    distribution = Distribution(method + linear.mean, std, linear.quantiles)
+    statistics = estimated(problem.percentiles)
+    value = np.stack([s.by_linear_model(distribution) for s in statistics.values()], axis=1)
     value[np.isnan(method)] = np.nan
-    return Estimates(value, value.copy(), value.copy(), np.zeros(len(method), bool))
+    none = np.zeros(len(method), bool)
+    return Estimates(tuple(statistics), value, value.copy(), value.copy(), none)
 
 
 def _fill(
@@ -256,8 +253,8 @@ def _fill(
 
 def _relative_width(estimates: Estimates) -> Array:
     """Half-width of each RMS interval relative to the RMS; zero where there is no scatter."""
-    value = estimates.value[:, _RMS]
-    half = 0.5 * (estimates.high[:, _RMS] - estimates.low[:, _RMS])
+    rms = estimates.of("rms")
+    value, half = rms.value, 0.5 * (rms.high - rms.low)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(value > 0.0, half / value, 0.0)
 

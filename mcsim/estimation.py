@@ -15,7 +15,7 @@ from mcsim.scenario.error_quantities import UNITS
 from mcsim.scenario.run import MonteCarlo
 from mcsim.simulation.limits import may_wrap
 from mcsim.simulation.problem import Limit, Problem
-from mcsim.statistics import Rare, Reference
+from mcsim.statistics import Rare, Reference, estimated, percentiles_of
 
 #: With fewer realizations the fitted coefficients of control variates would pretend
 #: a precision that is not there; the plain estimator serves them.
@@ -51,14 +51,15 @@ def reference(
 ) -> Reference:
     """What the estimator may use: the method errors, and the linear model's moments."""
     method, rare = problem.method_errors(), rare_events(problem)
+    percentiles = percentiles_of(estimated(problem.percentiles))
     if settings.estimator == "plain" or count < FEWEST_CONTROLLED:
-        return Reference(method, percentiles=problem.percentiles, rare=rare)
+        return Reference(method, percentiles=percentiles, rare=rare)
     linear, trusted = problem.linear, _trusted(problem, count, limits)
     return Reference(
         method,
         np.where(trusted, linear.control_mean, np.nan),
         np.where(trusted, linear.control_second_moment, np.nan),
-        problem.percentiles,
+        percentiles,
         rare,
     )
 

@@ -2,9 +2,7 @@
 
 Histories hold at most ``HISTORY_REALIZATIONS`` realizations, the first of those that the table
 is estimated from.  The table may know more: it may have more realizations, or control variates.
-What it knows of the end is carried back in time by regression, with the end's error as a control
-whose moments are the table's: ``m(t) + b(t) (m_table - m(end))`` with the slope b of the error at t
-over that at the end, and so for squares and percentiles.  So a history ends in its table.
+What it knows of the end is carried back in time.  So a history ends in its table.
 """
 
 from __future__ import annotations
@@ -21,8 +19,8 @@ from mcsim.memory import HISTORY_REALIZATIONS, history_realizations
 from mcsim.scenario import UNITS
 from mcsim.scenario_file import Point, Scenario
 from mcsim.simulation.problem import History
-from mcsim.statistics import statistic_names
 from mcsim.statistics.collector import cell_size
+from mcsim.statistics.history import carry_back, values_over_time
 from mcsim.sweep import SweepResult
 from mcsim.systems import problem_of
 from mcsim.units import degrees
@@ -34,8 +32,6 @@ Array = NDArray[np.float64]
 
 #: The column of the instant, in tables that hold several.
 TIME = "time [s]"
-HISTORY_STATISTICS = ("mean", "std", "rms", "p05", "p50", "p95")
-_PERCENTILES = {"p05": 0.05, "p50": 0.5, "p95": 0.95}
 
 
 def over_time(
@@ -92,31 +88,20 @@ def _history_frames(
     import pandas as pd
 
     for i, name in enumerate(point.model.ERRORS):
-        values = _statistics(history.errors[i, :, :count])
+        values = values_over_time(history.errors[i, :, :count])
         _carry_back(values, history, i, count, point, result)
-        for statistic in HISTORY_STATISTICS:
+        for statistic, over_time in values.items():
             yield pd.DataFrame(
                 {
                     **coordinates,
                     TIME: history.time,
                     "error": name,
                     "statistic": statistic,
-                    "value": _in_table_unit(name, values[statistic]),
+                    "value": _in_table_unit(name, over_time),
                     "unit": UNITS[name],
                     "realizations": count,
                 }
             )
-
-
-def _statistics(errors: Array) -> dict[str, Array]:
-    """Statistics (n + 1,) of errors (n + 1, r)."""
-    quantiles = np.quantile(errors, tuple(_PERCENTILES.values()), axis=-1)
-    return {
-        "mean": errors.mean(axis=-1),
-        "std": errors.std(axis=-1),
-        "rms": np.sqrt(np.mean(errors**2, axis=-1)),
-        **dict(zip(_PERCENTILES, quantiles, strict=True)),
-    }
 
 
 def _carry_back(
@@ -131,7 +116,6 @@ def _carry_back(
     model = point.model
     # In the order of time.
     rows = [k for k, row in enumerate(model.error_rows) if row.name == model.ERRORS[error]]
-    names = statistic_names(model.PERCENTILES)
     first = 0
     for number, row in enumerate(rows):
         time = model.error_rows[row].time
@@ -140,42 +124,12 @@ def _carry_back(
             end = int(np.argmin(np.abs(history.time - time)))
         # After the last instant nothing more is known: what holds there goes on.
         until = end + 1 if number + 1 < len(rows) else len(history.time)
-        known = dict(zip(names, result.estimates.value[row], strict=True))
+        estimates = result.estimates
+        known = dict(zip(estimates.statistics, estimates.value[row], strict=True))
         if np.isfinite(known["mean"]):
             errors = history.errors[error, :, :count]
-            _carry(values, errors, slice(first, until), end, known)
+            carry_back(values, errors, slice(first, until), end, known)
         first = until
-
-
-def _carry(
-    values: dict[str, Array], errors: Array, span: slice, end: int, known: dict[str, float]
-) -> None:
-    """Regress a span of the values on what is known of the sample ``end``."""
-    own = {name: float(values[name][end]) for name in values}
-    slope, slope_of_squares = (
-        _slopes(errors[span] ** power, errors[end] ** power) for power in (1, 2)
-    )
-    before = values["mean"][span]
-    mean = before + slope * (known["mean"] - own["mean"])
-    # Changes of the variance, so that a small one keeps its digits beside a large mean.
-    change = slope_of_squares * (known["rms"] ** 2 - own["rms"] ** 2) - (mean**2 - before**2)
-    values["mean"][span] = mean
-    values["std"][span] = np.sqrt(np.maximum(values["std"][span] ** 2 + change, 0.0))
-    values["rms"][span] = np.sqrt(mean**2 + values["std"][span] ** 2)
-    for name in _PERCENTILES:
-        if name in known:
-            values[name][span] += slope * (known[name] - own[name])
-    for name in values.keys() & known.keys():
-        values[name][end] = known[name]
-
-
-def _slopes(errors: Array, end: Array) -> Array:
-    """Least-squares slopes (n,) of errors (n, r) over the end's (r,); zero if these are equal."""
-    deviation = end - end.mean()
-    spread = float(deviation @ deviation)
-    if not spread > 0.0:
-        return np.zeros(len(errors))
-    return np.asarray((errors - errors.mean(axis=-1, keepdims=True)) @ deviation / spread, float)
 
 
 def _tracks_frame(coordinates: dict[str, Any], history: History, count: int) -> pd.DataFrame:

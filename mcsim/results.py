@@ -16,13 +16,14 @@ import numpy as np
 from mcsim.engine import PointResult
 from mcsim.errors import InputError
 from mcsim.memory import check_memory
-from mcsim.over_time import HISTORY_STATISTICS, TIME, over_time
+from mcsim.over_time import TIME, over_time
 from mcsim.scenario import UNITS, CaseScenario, ErrorRow
 from mcsim.scenario_file import Point, Scenario
 from mcsim.scenario_file.effect import without_effect
-from mcsim.statistics import statistic_names
+from mcsim.statistics import METHOD
+from mcsim.statistics.history import history_statistics
 from mcsim.sweep import SweepResult, check_points, describe_point
-from mcsim.tracks import TrackBlock, drive_of
+from mcsim.tracks import drive_notes
 from mcsim.units import degrees
 from mcsim.version import __version__
 
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 
 #: Columns of the table after those of the swept paths.
 COLUMNS = ("error", "statistic", "value", "ci_low", "ci_high", "unit", "realizations", "note")
-#: What rows hold besides estimates: the error of the undisturbed reconstruction.
-METHOD = "method"
 #: Whether results say nothing of when and where they were made.
 _REPRODUCIBLE = "SOURCE_DATE_EPOCH" in os.environ
 _MOST_HISTORY_ROWS = 20_000_000
@@ -90,9 +89,8 @@ def check(scenario: Scenario) -> None:
     counts = check_points(scenario)
     check_memory(scenario, counts)
     outputs = scenario.base.outputs
-    per_sample = outputs.tracks + outputs.history * len(scenario.base.ERRORS) * len(
-        HISTORY_STATISTICS
-    )
+    per_error = len(history_statistics())
+    per_sample = outputs.tracks + outputs.history * len(scenario.base.ERRORS) * per_error
     rows = per_sample * sum(count + 1 for count in counts)
     if rows > _MOST_HISTORY_ROWS:
         raise InputError(
@@ -104,7 +102,8 @@ def check(scenario: Scenario) -> None:
 
 def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
     """Turn the points' results into tables."""
-    remarks = [*_notes_of_track(scenario), *_remarks(scenario, sweep)]
+    first = getattr(scenario.points[0].model, "trajectory", None)
+    remarks = [*drive_notes(first, scenario.folder), *_remarks(scenario, sweep)]
     history, tracks = over_time(scenario, sweep)
     return Results(
         scenario=scenario,
@@ -114,14 +113,6 @@ def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
         history=history,
         tracks=tracks,
     )
-
-
-def _notes_of_track(scenario: Scenario) -> tuple[str, ...]:
-    """How the first point's track was read."""
-    track = getattr(scenario.points[0].model, "trajectory", None)
-    if not isinstance(track, TrackBlock):
-        return ()
-    return drive_of(track, scenario.folder).manoeuvre.notes
 
 
 def in_table_unit(name: str, value: Any) -> Any:
@@ -157,9 +148,10 @@ def _table(scenario: Scenario, sweep: SweepResult) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns)
 
 
-def statistics_of(model: CaseScenario) -> tuple[str, ...]:
-    """The statistics of every error in a case's table, in order."""
-    return (*statistic_names(model.PERCENTILES), METHOD)
+def summarised(model: CaseScenario) -> dict[str, str]:
+    """The statistics that a single run prints and draws, by name, with their words."""
+    shown = {name: s.words for name, s in model.statistics().items() if s.summary}
+    return {**shown, METHOD: "method error (no sensor error)"}
 
 
 def coordinate_columns(scenario: Scenario) -> list[str]:
@@ -177,7 +169,7 @@ def _point_rows(point: Point, result: PointResult) -> Iterator[tuple[Any, ...]]:
     for i, row in enumerate(point.model.error_rows):
         missing = bool(np.isnan(result.method[i]))
         note = "; ".join(filter(None, [result.notes.get(row.label, ""), *result.limits]))
-        for j, statistic in enumerate(statistics_of(point.model)):
+        for j, statistic in enumerate((*estimates.statistics, METHOD)):
             if statistic == METHOD:
                 numbers = [result.method[i]] * 3
             else:

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from mcsim import catalogue
-from mcsim.results import Results, at_the_end
+from mcsim.results import Results, at_the_end, summarised
 from mcsim.scenario import UNITS
+from mcsim.statistics import METHOD
 
 if TYPE_CHECKING:
     import pandas as pd
 
-_SUMMARY = ("mean", "std", "rms", "p95", "method")
 #: A simulated deviation this many times the first order's is remarked on.
 _EXCEEDS = 1.5
 _LISTED = {"noise_density": "noise density", "range": "range", "bandwidth": "bandwidth"}
@@ -22,13 +22,14 @@ _LISTED = {"noise_density": "noise density", "range": "range", "bandwidth": "ban
 def summary(results: Results) -> str:
     """Estimates of a single run, one line per error, intervals in brackets."""
     table = at_the_end(results.table)
-    rows = [["error", "unit", *_SUMMARY]]
+    shown = tuple(summarised(results.scenario.base))
+    rows = [["error", "unit", *shown]]
     for name, estimates in table.groupby("error", sort=False):
         by_statistic = estimates.set_index("statistic")
         rows.append([str(name), str(estimates["unit"].iloc[0])])
-        for statistic in _SUMMARY:
+        for statistic in shown:
             row = by_statistic.loc[statistic]
-            rows[-1].append(_estimate(row, with_interval=statistic != "method"))
+            rows[-1].append(_estimate(row, with_interval=statistic != METHOD))
     count = int(table["realizations"].iloc[0])
     behind = f"{count:,} realizations" if count else "linear model, no realizations"
     return "\n".join([*columns(rows), behind, "", *_budget_lines(results)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mcsim.scenario import Axis, Value
 from mcsim.scenario.error_quantities import ERROR_QUANTITIES, SIGNS
+from mcsim.statistics import Statistic
 
 _WORDS = {
     "sensors.rate": "sampling rate",
@@ -11,15 +12,6 @@ _WORDS = {
     "trajectory.width": "track width D",
     "trajectory.speed": "speed",
     "trajectory.deceleration": "deceleration",
-}
-STATISTICS = {
-    "mean": "mean",
-    "std": "standard deviation",
-    "rms": "RMS",
-    "p2.5": "2.5th percentile",
-    "p50": "median",
-    "p95": "95th percentile",
-    "p97.5": "97.5th percentile",
 }
 
 
@@ -51,10 +43,10 @@ def value_label(axis: Axis, value: Value) -> str:
     return str(value)
 
 
-def error_label(errors: tuple[str, ...], statistic: str, unit: str) -> str:
+def error_label(errors: tuple[str, ...], statistic: Statistic, unit: str) -> str:
     """Label of a vertical axis."""
     name = ERROR_QUANTITIES[errors[0]].words if len(errors) == 1 else "error"
-    return f"{name}, {STATISTICS[statistic]} [{SIGNS[unit]}]"
+    return f"{name}, {statistic.words} [{SIGNS[unit]}]"
 
 
 def error_words(error: str) -> str:

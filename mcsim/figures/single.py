@@ -6,16 +6,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from mcsim.figures import labels
-from mcsim.figures.style import curve_colour, house_style
-from mcsim.results import Results, at_the_end
+from mcsim.figures.style import MARKERS, curve_colour, house_style
+from mcsim.results import Results, at_the_end, summarised
 from mcsim.scenario.error_quantities import SIGNS, UNITS
-
-_SHOWN = ("mean", "std", "rms", "p95", "method")
-_NAMES = {**labels.STATISTICS, "method": "method error (no sensor error)"}
 
 
 def draw_single(results: Results) -> Figure:
-    """Mean, deviation, RMS and 95th percentile of each error; a panel for each unit."""
+    """The statistics of a summary of each error; a panel for each unit."""
+    shown = summarised(results.scenario.base)
+    markers = [*MARKERS[: len(shown) - 1], "x"]
     errors = results.scenario.base.ERRORS
     units = dict.fromkeys(UNITS[name] for name in errors)
     groups = [[name for name in errors if UNITS[name] == unit] for unit in units]
@@ -24,7 +23,7 @@ def draw_single(results: Results) -> Figure:
         figure = Figure(figsize=(9.2, 3.6), layout="constrained")
         panels = figure.subplots(1, len(groups), squeeze=False)[0]
         for axes, names in zip(panels, groups, strict=True):
-            for k, statistic in enumerate(_SHOWN):
+            for k, (statistic, words) in enumerate(shown.items()):
                 rows = table[table["statistic"] == statistic].set_index("error")
                 rows = rows.loc[names]
                 value = rows["value"].to_numpy(float)
@@ -33,12 +32,12 @@ def draw_single(results: Results) -> Figure:
                     np.nan_to_num(rows["ci_high"].to_numpy(float) - value),
                 ]
                 axes.errorbar(
-                    np.arange(len(names)) + 0.12 * (k - 2),
+                    np.arange(len(names)) + 0.12 * (k - 0.5 * (len(shown) - 1)),
                     value,
                     yerr=np.maximum(bars, 0.0),
-                    fmt="osD^x"[k],
-                    color=curve_colour(k, len(_SHOWN)),
-                    label=_NAMES[statistic],
+                    fmt=markers[k],
+                    color=curve_colour(k, len(shown)),
+                    label=words,
                 )
             axes.axhline(0.0, color="#6b7280", linewidth=0.8, zorder=1.5)
             axes.set_xticks(range(len(names)), [name.replace("_", " ") for name in names])

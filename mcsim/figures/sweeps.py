@@ -21,12 +21,13 @@ from mcsim.figures.style import (
     set_title,
     spans_decades,
 )
-from mcsim.results import METHOD, Results, at_the_end, in_unit_of_tables
+from mcsim.results import Results, at_the_end, in_unit_of_tables
 from mcsim.scenario import Axis, Value
 from mcsim.scenario.error_quantities import SIGNS, UNITS
 from mcsim.scenario.figure import Figure as FigureModel
 from mcsim.scenario.figure import Panel
 from mcsim.scenario_file import Scenario
+from mcsim.statistics import METHOD
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -155,7 +156,7 @@ def _units_that_span_decades(columns: list[Column]) -> set[str]:
         table = _slice(column, base.figure.statistic, column.held)
         for panel in base.panels:
             values = table[table["error"].isin(panel.errors)]["value"].to_numpy()
-            if base.figure.statistic != "mean" and spans_decades(values):
+            if base.statistics()[base.figure.statistic].log_axes and spans_decades(values):
                 units.add(UNITS[panel.errors[0]])
     return units
 
@@ -249,7 +250,7 @@ def _draw_panel(axes: Axes, column: Column, panel: Panel, log_units: set[str]) -
     limit = _draw_limit(axes, scenario.base.figure, unit)
     _scale(axes, x_axis, np.append(drawn, limit), unit in log_units)
     axes.set_xlabel(labels.axis_label(x_axis))
-    axes.set_ylabel(labels.error_label(panel.errors, statistic, unit))
+    axes.set_ylabel(labels.error_label(panel.errors, scenario.base.statistics()[statistic], unit))
     elsewhere = [
         f"{labels.path_words(axis.path)} {labels.value_label(axis, held[axis.path])}"
         for axis in scenario.axes

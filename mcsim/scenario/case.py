@@ -8,6 +8,7 @@ from mcsim.scenario.block import Block
 from mcsim.scenario.error_quantities import ErrorRow
 from mcsim.scenario.figure import Figure, Panel
 from mcsim.scenario.run import MonteCarlo, Outputs
+from mcsim.statistics import PERCENTILES, Statistic, estimated
 
 
 class CaseScenario(Block):
@@ -18,7 +19,7 @@ class CaseScenario(Block):
     #: Errors that have a panel of their own where the figure block names none.
     DRAWN: ClassVar[tuple[str, ...]]
     #: Percentiles of every error that tables hold.
-    PERCENTILES: ClassVar[tuple[float, ...]] = (0.50, 0.95)
+    PERCENTILES: ClassVar[tuple[float, ...]] = PERCENTILES
 
     case: str
     title: str | None = None
@@ -26,6 +27,11 @@ class CaseScenario(Block):
     monte_carlo: MonteCarlo
     outputs: Outputs = Outputs()
     figure: Figure = Figure()
+
+    @classmethod
+    def statistics(cls) -> dict[str, Statistic]:
+        """The statistics of every error by name, in the order of every table."""
+        return estimated(cls.PERCENTILES)
 
     @property
     def error_rows(self) -> tuple[ErrorRow, ...]:

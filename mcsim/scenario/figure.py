@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from annotated_types import Len
 from pydantic import BeforeValidator, model_validator
@@ -10,10 +10,20 @@ from pydantic import BeforeValidator, model_validator
 from mcsim.scenario.block import Block
 from mcsim.scenario.error_quantities import UNITS, OneOrMoreNames, known_name
 from mcsim.scenario.fields import Angle, Length, Positive, Speed, reject
+from mcsim.statistics import STATISTICS
+from mcsim.statistics.rms import RMS
 
 
 def _as_tuple(value: Any) -> Any:
     return (value,) if isinstance(value, str) else value
+
+
+class StatisticName:
+    """Describes the name of a statistic in the JSON schema; which there are is the case's."""
+
+    def __get_pydantic_json_schema__(self, *_: Any) -> dict[str, Any]:
+        percentile = {"type": "string", "pattern": r"^p\d+(\.\d+)?$"}
+        return {"anyOf": [{"enum": list(STATISTICS)}, percentile]}
 
 
 class Panel(Block):
@@ -55,7 +65,7 @@ class Figure(Block):
     """Second line of the title; heads the column where figures stand side by side."""
     method: bool = False
     """Also draw, dotted, the error that sampling and integration alone make."""
-    statistic: Literal["mean", "std", "rms", "p50", "p95"] = "rms"
+    statistic: Annotated[str, StatisticName()] = RMS.name
     panels: Annotated[tuple[Panel, ...], Len(1, 12)] | None = None
     """The case's usual ones if absent."""
     limits: Limits = Limits()

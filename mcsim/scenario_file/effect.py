@@ -12,7 +12,7 @@ from mcsim.scenario.paths import split_path
 from mcsim.sensor_terms import TERMS
 from mcsim.sensor_terms.channel import SIGNALS
 from mcsim.systems import SYSTEMS
-from mcsim.tracks import TrackBlock, track_of
+from mcsim.tracks import idle_keys
 
 if TYPE_CHECKING:
     from mcsim.scenario_file.scenario import Scenario
@@ -76,7 +76,8 @@ def without_effect(scenario: Scenario) -> list[str]:
 def _sentences(scenario: Scenario) -> Iterator[str]:
     swept = [axis.path for axis in scenario.axes]
     document = scenario.document
-    own = (*of_terms(), *_of_track(scenario.base), *SYSTEMS[scenario.base.case].idle)
+    of_track = idle_keys(getattr(scenario.base, "trajectory", None))
+    own = (*of_terms(), *of_track, *SYSTEMS[scenario.base.case].idle)
     for rule in (*COMMON, *own):
         keys = split_path(rule.path)
         written = get_path(document.tree, keys) is not None or rule.path in swept
@@ -89,12 +90,6 @@ def _sentences(scenario: Scenario) -> Iterator[str]:
         path = "monte_carlo.common_random_numbers"
         place = document.place(split_path(path))
         yield f"{place}: {path} has no effect: nothing is swept"
-
-
-def _of_track(model: Any) -> tuple[IdleKey, ...]:
-    """The rules of the scenario's shape of track, if it has one."""
-    track = getattr(model, "trajectory", None)
-    return track_of(track).idle if isinstance(track, TrackBlock) else ()
 
 
 def _is_default(model: Any, path: str) -> bool:

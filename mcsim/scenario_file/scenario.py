@@ -239,7 +239,14 @@ def _split_override(text: str) -> tuple[str, Any]:
 
 
 def _check_figure(document: Document, base: CaseScenario, axes: tuple[Axis, ...]) -> None:
-    """The errors that a figure names must be the case's, and the paths must be swept."""
+    """What a figure names must be the case's errors and statistics, and the paths be swept."""
+    named, statistics = base.figure.statistic, base.statistics()
+    if named not in statistics:
+        raise InputError(
+            f"{document.place(('figure', 'statistic'))}: figure.statistic: "
+            f"the case {base.case} has no statistic `{named}` "
+            f"(it has {', '.join(statistics)}){suggest(named, statistics)}"
+        )
     paths = [axis.path for axis in axes]
     for i, panel in enumerate(base.figure.panels or ()):
         for name in panel.errors:

@@ -44,7 +44,7 @@ class Reference:
 
     ``centre`` is taken off the errors (the method errors); ``mean`` and
     ``second_moment`` are the controls' expectations, absent without controls, NaN for controls
-    that are not to be trusted; ``percentiles`` are those to be estimated.
+    that are not to be trusted; ``percentiles`` are those that realizations are kept around.
     """
 
     centre: Array
@@ -86,7 +86,7 @@ class Collector:
         self._extremes = [np.full(n_errors, np.inf), np.full(n_errors, -np.inf)]
         self._ordered: dict[int, Array] = {}
         self._lock = threading.Lock()
-        self._brackets: list[list[_Bracket]] | None = None
+        self._brackets: list[dict[float, _Bracket]] | None = None
 
     def add(self, first: int, errors: Array, controls: Array) -> None:
         """Take in realizations ``first`` and following: (e, r) errors and controls."""
@@ -108,9 +108,9 @@ class Collector:
         with self._lock:
             if self._brackets is None:
                 percentiles = self.reference.percentiles
-                self._brackets = [[_Bracket(row, p) for p in percentiles] for row in self._kept]
+                self._brackets = [{p: _Bracket(row, p) for p in percentiles} for row in self._kept]
         for row, brackets in zip(errors, self._brackets, strict=True):
-            for bracket in brackets:
+            for bracket in brackets.values():
                 bracket.add(row)
 
     @property
@@ -127,7 +127,11 @@ class Collector:
         """Errors (e,) of which no realization is negative."""
         return self._extremes[0] >= 0.0
 
-    def order_statistics(self, error: int, percentile: int, ranks: list[int]) -> list[float]:
+    def kept(self, errors: NDArray[np.intp]) -> Array:
+        """The realizations (e, k) of these errors that are kept as they are, the first ones."""
+        return np.asarray(self._kept[errors], float)
+
+    def order_statistics(self, error: int, percentile: float, ranks: list[int]) -> list[float]:
         """The realizations of the given ranks (1 ... count) around a percentile."""
         if self._brackets is None:
             ordered = self._sorted(error)

@@ -2,37 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.statistics.choice import estimated
 from mcsim.statistics.collector import Collector, Reference
-from mcsim.statistics.moments import moments, student_sigmas
-from mcsim.statistics.quantiles import bounded, quantiles
+from mcsim.statistics.evidence import Evidence
+from mcsim.statistics.statistic import Interval, Statistic
 
 Array = NDArray[np.float64]
-
-#: Statistics estimated from realizations, in the order of every table; percentiles follow.
-MOMENTS = ("mean", "std", "rms")
-
-
-def statistic_names(percentiles: tuple[float, ...]) -> tuple[str, ...]:
-    """Names of the estimated statistics, in the order of every table: ``mean`` … ``p95``."""
-    return (*MOMENTS, *(f"p{100.0 * p:g}" for p in percentiles))
 
 
 @dataclass(frozen=True)
 class Estimates:
     """Values and interval ends, (e, statistics) each, in the errors' SI units.
 
-    The statistics are those of ``statistic_names``.
+    ``statistics`` are their names, in the order of every table.
 
     ``degenerate`` (e,) marks errors that do not scatter at all; ``few`` those whose scatter few
-    realizations carry; ``unbounded`` names percentiles whose interval more realizations would
+    realizations carry; ``unbounded`` names statistics whose interval more realizations would
     be needed to bound.
     """
 
+    statistics: tuple[str, ...]
     value: Array
     low: Array
     high: Array
@@ -40,8 +35,19 @@ class Estimates:
     few: NDArray[np.bool_] | None = None
     unbounded: tuple[str, ...] = ()
 
+    def of(self, statistic: str) -> Interval:
+        """One statistic of all errors."""
+        column = self.statistics.index(statistic)
+        return Interval(*(ends[:, column] for ends in (self.value, self.low, self.high)))
 
-def estimate(collector: Collector, sigmas: float, resamples: int, key: int) -> Estimates:
+
+def estimate(
+    collector: Collector,
+    sigmas: float,
+    resamples: int,
+    key: int,
+    statistics: Mapping[str, Statistic] | None = None,
+) -> Estimates:
     """Estimate all statistics of all errors.
 
     Parameters
@@ -54,38 +60,40 @@ def estimate(collector: Collector, sigmas: float, resamples: int, key: int) -> E
         Number of bootstrap resamples.
     key : int
         64-bit key of the resampling's random numbers.
+    statistics : mapping, optional
+        Statistics by name, in the order of the estimates; their percentiles are the collector's.
 
     Notes
     -----
     Errors that are all equal have intervals of zero width.  From one realization
     no interval follows: its ends are NaN.  Undefined errors (NaN) stay undefined.
     """
+    if statistics is None:
+        statistics = estimated(collector.reference.percentiles)
     n_errors = len(collector.reference.centre)
-    percentiles = collector.reference.percentiles
-    value = np.full((n_errors, len(MOMENTS) + len(percentiles)), np.nan)
-    low, high = value.copy(), value.copy()
+    ends = np.full((3, n_errors, len(statistics)), np.nan)
     defined = np.isfinite(collector.sums[0]).all(axis=1)
     degenerate = defined & collector.degenerate
     few = np.zeros(n_errors, bool)
     rows = np.flatnonzero(defined & ~degenerate)
     if len(rows):
-        reach = student_sigmas(sigmas, len(collector.sizes)) if collector.nets else sigmas
-        found = moments(collector, rows, reach, resamples, key)
-        value[rows, :3], low[rows, :3], high[rows, :3] = found.value, found.low, found.high
-        few[rows] = found.few
-        for row in map(int, rows):
-            value[row, 3:], low[row, 3:], high[row, 3:] = quantiles(collector, row, sigmas)
+        evidence = Evidence(collector, rows, sigmas, resamples, key)
+        for column, statistic in enumerate(statistics.values()):
+            found = statistic.interval(evidence)
+            ends[:, rows, column] = found.value, found.low, found.high
+        few[rows] = evidence.moments.few
     for row in map(int, np.flatnonzero(degenerate)):
         same = float(collector.smallest[row])
-        value[row] = low[row] = high[row] = [same, 0.0, abs(same), *(same for _ in percentiles)]
+        ends[:, row] = [statistic.without_scatter(same) for statistic in statistics.values()]
     if collector.count == 1:
-        low[:], high[:] = np.nan, np.nan
+        ends[1:] = np.nan
     unbounded = tuple(
         name
-        for name, p in zip(statistic_names(percentiles)[len(MOMENTS) :], percentiles, strict=True)
-        if len(rows) and not bounded(collector.count, p, sigmas)
+        for name, statistic in statistics.items()
+        if len(rows) and not statistic.bounds(collector.count, sigmas)
     )
-    return Estimates(value, low, high, degenerate, few, unbounded)
+    value, low, high = ends
+    return Estimates(tuple(statistics), value, low, high, degenerate, few, unbounded)
 
 
 def estimate_errors(errors: Array, sigmas: float, resamples: int, key: int) -> Estimates:

@@ -1,11 +1,8 @@
 """Mean, standard deviation and RMS with BCa intervals, by resampling cells.
 
 From the cells' sums follow mean, standard deviation (population) and RMS, and by
-resampling the cells their BCa intervals (Efron 1987; Efron & Tibshirani, *An
-Introduction to the Bootstrap*, ch. 14).  For means of independent errors resampling
-cells is the same to first order as resampling realizations.  A thousand resamples do not
-resolve a quantile at 3 sigma, so their distribution is described by its mean, deviation and
-skewness (Cornish-Fisher), which they do resolve.
+resampling the cells their BCa intervals.  For means of independent errors resampling
+cells is the same to first order as resampling realizations.
 
 With *control variates* (quantities whose expectation is known exactly, here the
 linear model's errors) only the difference between an error and its control is
@@ -28,12 +25,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.statistics.bca import ROUNDING, acceleration, bca, student
 from mcsim.statistics.collector import Collector, Rare
+from mcsim.statistics.statistic import Interval
 
 Array = NDArray[np.float64]
 
-#: Relative scatter that is rounding.
-_ROUNDING = 1e-13
 #: Kurtosis of the influence on mean, deviation and RMS that normal errors have, for which
 #: BCa intervals hold.
 _NORMAL_KURTOSIS = np.array([3.0, 15.0, 15.0])
@@ -54,6 +51,21 @@ class Moments:
     low: Array
     high: Array
     few: NDArray[np.bool_]
+
+    @property
+    def mean(self) -> Interval:
+        return self._column(0)
+
+    @property
+    def std(self) -> Interval:
+        return self._column(1)
+
+    @property
+    def rms(self) -> Interval:
+        return self._column(2)
+
+    def _column(self, column: int) -> Interval:
+        return Interval(*(ends[:, column] for ends in (self.value, self.low, self.high)))
 
 
 @dataclass(frozen=True)
@@ -95,10 +107,10 @@ def moments(
         centre[:, None], mean[:, None] + shifts[:half], square[:, None] + shifts[half:]
     )
     influence = _influence(centre, mean, value, (items * scale[:, None]).reshape(2, half, -1))
-    low, high = _bca(value, resampled, _acceleration(influence), sigmas)
+    low, high = bca(value, resampled, acceleration(influence).T, sigmas)
     degrees = _degrees_of_freedom(influence, sums.controlled)
     few = degrees < np.where(sums.controlled, np.inf, FEW_DEGREES)[:, None]
-    stretch = _student(degrees, sigmas) / sigmas
+    stretch = student(degrees, sigmas) / sigmas
     low = np.where(few, value - stretch * (value - low), low)
     high = np.where(few, value + stretch * (high - value), high)
     rare = collector.reference.rare
@@ -109,19 +121,6 @@ def moments(
     never = collector.not_negative()[rows]
     low[never, 0] = np.maximum(low[never, 0], 0.0)
     return Moments(value, low, high, np.any(degrees < FEW_DEGREES, axis=1))
-
-
-def student_sigmas(sigmas: float, items: int) -> float:
-    """Student's quantile in place of the normal one: the resampled spread is of few items."""
-    return float(_student(np.array(max(items - 1, 1)), sigmas))
-
-
-def _student(degrees: Array, sigmas: float) -> Array:
-    """Student's quantile for a spread with these degrees of freedom."""
-    from scipy.special import ndtr, stdtrit
-
-    # The spread of resamples is that of a population, smaller than the sample's.
-    return np.asarray(stdtrit(degrees, ndtr(sigmas)) * np.sqrt((degrees + 1.0) / degrees), float)
 
 
 def _degrees_of_freedom(influence: Array, controlled: NDArray[np.bool_]) -> Array:
@@ -253,7 +252,7 @@ def _influence(centre: Array, mean: Array, value: Array, items: Array) -> Array:
     """Influence (3, e, items) of each item on mean, std and RMS, from its own (2, e, items)."""
     first, second = items
     rms = np.maximum(value[:, 2:3], 1e-300)
-    std = np.maximum(value[:, 1:2], _ROUNDING * rms)
+    std = np.maximum(value[:, 1:2], ROUNDING * rms)
     return np.stack(
         [
             first,
@@ -261,39 +260,3 @@ def _influence(centre: Array, mean: Array, value: Array, items: Array) -> Array:
             (second + 2.0 * centre[:, None] * first) / (2.0 * rms),
         ]
     )
-
-
-def _acceleration(influence: Array) -> Array:
-    """BCa acceleration (e, 3) from the influence (3, e, items) of each item."""
-    ratios = []
-    for u in influence:
-        spread = np.mean(u * u, axis=1)
-        safe = np.where(spread > 0.0, spread, 1.0)
-        ratios.append(np.mean(u * u * u, axis=1) / safe**1.5 / np.sqrt(u.shape[1]))
-    return np.stack(ratios, axis=1) / 6.0
-
-
-def _bca(value: Array, resampled: Array, acceleration: Array, sigmas: float) -> tuple[Array, Array]:
-    """BCa interval ends; ``resampled`` (e, 3, b), the others (e, 3)."""
-    centre = resampled.mean(axis=-1)
-    deviation = resampled - centre[..., None]
-    squares = deviation * deviation
-    spread = np.sqrt(squares.mean(axis=-1))
-    # What scatters by rounding alone does not scatter.
-    scatters = spread > _ROUNDING * np.abs(value)
-    safe = np.where(scatters, spread, 1.0)
-    skewness = np.mean(squares * deviation, axis=-1) / safe**3
-    distance = (value - centre) / safe
-    bias = distance - skewness * (distance**2 - 1.0) / 6.0
-
-    def end(z: float) -> Array:
-        corrected = bias + (bias + z) / (1.0 - acceleration * (bias + z))
-        quantile = (
-            corrected
-            + skewness * (corrected**2 - 1.0) / 6.0
-            - skewness**2 * (2.0 * corrected**3 - 5.0 * corrected) / 36.0
-        )
-        return np.where(scatters, centre + spread * quantile, value)
-
-    low, high = end(-sigmas), end(sigmas)
-    return np.minimum(low, value), np.maximum(high, value)

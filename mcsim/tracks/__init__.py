@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Annotated
 
 from mcsim.registry import Registry
+from mcsim.scenario.idle import IdleKey
 from mcsim.scenario.one_of import OneOf
 from mcsim.tracks import curve, double_lane_change, lane_change, recorded, straight, waypoints
 from mcsim.tracks.track import DrivenTrackBlock, Track, TrackBlock, along
@@ -22,8 +23,9 @@ __all__ = [
     "TrackBlock",
     "Trajectory",
     "along",
+    "drive_notes",
     "drive_of",
-    "track_of",
+    "idle_keys",
 ]
 
 TRACKS: Registry[Track] = Registry(
@@ -44,12 +46,6 @@ _ONE_OF_THEM = OneOf(TRACKS)
 Trajectory = Annotated[TrackBlock, _ONE_OF_THEM]
 
 
-def track_of(block: TrackBlock) -> Track:
-    """The shape that a block names."""
-    track: Track = _ONE_OF_THEM.part_of(block)
-    return track
-
-
 @lru_cache(maxsize=1024)
 def drive_of(trajectory: TrackBlock, folder: Path) -> Drive:
     """The drive that a scenario describes; ``folder`` is where recorded files lie.
@@ -59,4 +55,26 @@ def drive_of(trajectory: TrackBlock, folder: Path) -> Drive:
     InputError
         A recorded file or way-points that cannot be used.
     """
-    return Drive(track_of(trajectory).manoeuvre(trajectory, folder), trajectory.lead)
+    track: Track = _ONE_OF_THEM.part_of(trajectory)
+    return Drive(track.manoeuvre(trajectory, folder), trajectory.lead)
+
+
+def drive_notes(trajectory: object, folder: Path) -> tuple[str, ...]:
+    """What a user should know of where the drive comes from; nothing of what is no track.
+
+    Raises
+    ------
+    InputError
+        As ``drive_of``.
+    """
+    if not isinstance(trajectory, TrackBlock):
+        return ()
+    return drive_of(trajectory, folder).manoeuvre.notes
+
+
+def idle_keys(trajectory: object) -> tuple[IdleKey, ...]:
+    """The keys of a track that change nothing in some scenarios; none of what is no track."""
+    if not isinstance(trajectory, TrackBlock):
+        return ()
+    track: Track = _ONE_OF_THEM.part_of(trajectory)
+    return track.idle
