@@ -11,8 +11,9 @@ from scipy.integrate import cumulative_simpson
 from scipy.signal import butter, chirp, sosfiltfilt
 
 from mcsim.cli.main import exit_code
-from mcsim.cli.paper import shipped_scenarios
 from mcsim.errors import InputError
+from mcsim.papers.sensor_deviations import printed, remarks, sensor_table
+from mcsim.papers.shipped import shipped_scenarios
 from mcsim.scenario.document import parse_document
 from mcsim.scenario.validation import validate
 from mcsim.scenario_file import Scenario
@@ -21,7 +22,6 @@ from mcsim.vibration.excitation import acceleration, elevator_phases, elevator_s
 from mcsim.vibration.log import Log, read_vibration_log
 from mcsim.vibration.processing import filters
 from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
-from mcsim.vibration.sensor_tables import printed, remarks, sensor_table
 from mcsim.vibration.simulation import AXES, oversampling, simulate
 from mcsim.vibration.spectra import (
     amplitude_spectrum,
@@ -341,7 +341,7 @@ def test_a_scenario_becomes_tables_and_a_picture(tmp_path, capsys):
     folder = tmp_path / "engine"
     assert sorted(p.name for p in folder.iterdir()) == [
         *("density.csv", "figure.png", "figure.svg", "log.csv", "orders.csv"),
-        *("spectrum.csv", "table.csv"),
+        *("provenance.json", "spectrum.csv", "table.csv"),
     ]
     orders = pd.read_csv(folder / "orders.csv").query("channel == 'z'")
     assert orders["amplitude_raw [m/s^2]"].to_numpy() == pytest.approx([0.05, 0.6, 0.3], rel=0.03)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
@@ -19,7 +19,7 @@ from types import TracebackType
 from typing import Any
 
 #: What drawing imports.
-_NEEDED = ("mcsim.cli.main", "mcsim.figures", "mcsim.store", "pyarrow.parquet")
+_NEEDED = ("mcsim.figures.saving", "mcsim.figures.whole", "mcsim.store", "pyarrow.csv")
 
 
 class Drawing:
@@ -56,9 +56,11 @@ class Drawing:
         """The figures of one stored result."""
         self._submit(draw_one, folder)
 
-    def side_by_side(self, parts: list[Path], title: str, folder: Path) -> None:
+    def side_by_side(
+        self, parts: list[Path], title: str, folder: Path, provenance: Mapping[str, Any]
+    ) -> None:
         """One figure of several stored results."""
-        self._submit(draw_side_by_side, parts, title, folder)
+        self._submit(draw_side_by_side, parts, title, folder, provenance)
 
     def _submit(self, task: Callable[..., None], *arguments: Any) -> None:
         if self._jobs == 1:
@@ -109,17 +111,20 @@ def _get_ready() -> None:
 
 def draw_one(folder: Path) -> None:
     """Draw a stored result in its folder."""
-    from mcsim.figures import save_figures
+    from mcsim.figures.saving import save_figures
     from mcsim.store import load_results
 
     save_figures(load_results(folder), folder)
 
 
-def draw_side_by_side(parts: list[Path], title: str, folder: Path) -> None:
+def draw_side_by_side(
+    parts: list[Path], title: str, folder: Path, provenance: Mapping[str, Any]
+) -> None:
     """Draw several stored results as one figure into ``folder``."""
-    from mcsim import figures
+    from mcsim.figures import whole
+    from mcsim.figures.style import printed
+    from mcsim.report import Report
     from mcsim.store import load_results
 
-    folder.mkdir(parents=True, exist_ok=True)
-    figure = figures.draw_side_by_side([load_results(part) for part in parts], title)
-    figures.write_figure(figure, folder, "figure")
+    figure = whole.draw_side_by_side([load_results(part) for part in parts], title)
+    Report(provenance, pictures=printed(figure, "figure")).write(folder)

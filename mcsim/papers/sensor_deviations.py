@@ -1,4 +1,4 @@
-"""Tables 5.1 and 5.2 of the vibration thesis, beside logs simulated from the catalogue.
+"""``mcsim table sensors``: Tables 5.1 and 5.2 of the vibration thesis beside simulated logs.
 
 Table 5.1 prints the standard deviation of each sensor at rest, Table 5.2 the noise density
 that follows from it by Eq. (5.1), ``ND = σ / √f_3dB``.  A log is simulated with the sensor's
@@ -17,10 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim import catalogue
+from mcsim.errors import InputError
+from mcsim.papers import Computed, PaperTable, Setting
 from mcsim.scenario.document import Document
 from mcsim.scenario.sensor_file import SensorFile
 from mcsim.scenario.validation import validate
 from mcsim.sensors.signal_errors import Element, SignalErrors, signal_errors
+from mcsim.text_table import columns
 from mcsim.units import (
     KINDS,
     STANDARD_GRAVITY,
@@ -55,6 +58,15 @@ _AGREES = 0.05
 _NEAR = 1.25
 _DEVIATION = "acceleration"
 _MICRO_G = 1e6 / STANDARD_GRAVITY
+_HEADS = {
+    "std_printed [m/s^2]": "σ printed [m/s²]",
+    "std_simulated [m/s^2]": "simulated",
+    "density_printed [ug/sqrt(Hz)]": "density printed [µg/√Hz]",
+    "density_by_bandwidth [ug/sqrt(Hz)]": "σ/√f_3dB",
+    "density_by_spectrum [ug/sqrt(Hz)]": "Welch",
+    "rate [Hz]": "rate [Hz]",
+    "bandwidth [Hz]": "f_3dB [Hz]",
+}
 
 
 @dataclass(frozen=True)
@@ -253,3 +265,43 @@ def _of_reference(source: Printed) -> Iterator[str]:
         f"the printed ratios to the other sensors need {np.mean(means):.2g} m/s², "
         f"{deviation / np.mean(means):.0f} times less than the printed {deviation:g} m/s²"
     )
+
+
+def deviations(noise: Noise, duration: str, seed: int) -> Computed:
+    """The two tables as one, printed beside simulated."""
+    seconds = parse(duration, KINDS["time"])
+    if not 1.0 <= seconds <= 3600.0:
+        raise InputError(f'--duration "{duration}" must lie between 1 s and 1 h')
+    frame = sensor_table(noise, seconds, seed)
+    lines = [
+        f"logs of {seconds:g} s, noise: {NOISE[noise]}",
+        *columns(_rows(frame)),
+        "\nwhere the printed values cannot all hold:",
+        *(f"  {remark}" for remark in remarks()),
+    ]
+    return Computed({"sensors": frame}, "\n".join(lines), nine_digits=("sensors",))
+
+
+def _rows(frame: pd.DataFrame) -> list[list[str]]:
+    rows = [["sensor", "axis", *_HEADS.values()]]
+    for _, row in frame.iterrows():
+        rows.append([row["sensor"], row["axis"], *(f"{row[key]:.4g}" for key in _HEADS)])
+    return rows
+
+
+TABLE = PaperTable(
+    "sensors",
+    "Deviations and noise densities of the vibration thesis (Tables 5.1 and 5.2).",
+    deviations,
+    files=("sensors",),
+    settings=(
+        Setting(
+            "noise",
+            "allan",
+            "Noise of the logs: Allan's N, B, K; measured densities; data sheets.",
+            choices=tuple(NOISE),
+        ),
+        Setting("duration", "20 s", metavar="'20 s'"),
+        Setting("seed", 1, least=0),
+    ),
+)

@@ -1,4 +1,4 @@
-"""What the command line and notebooks call: run a scenario, keep its results."""
+"""``mcsim.run``: a scenario to its results, which are kept on disk."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from mcsim.checkpoints import Checkpoint
 from mcsim.errors import McsimError
+from mcsim.figures import PICTURES
 from mcsim.results import Results, assemble, check
 from mcsim.scenario_file import Scenario
-from mcsim.store import Checkpoint, save
+from mcsim.store import FORMATS, save
 from mcsim.sweep import Progress, run_sweep
 from mcsim.writing import alone_in
 
@@ -22,6 +24,7 @@ def run(
     progress: Progress | None = None,
     draw: Callable[[Results, Path], object] | None = None,
     dask: str | None = None,
+    formats: tuple[str, ...] = FORMATS,
 ) -> Results:
     """Run a scenario: every point of its sweep, all realizations, all statistics.
 
@@ -41,6 +44,8 @@ def run(
         Draws the results into their folder; the usual figures if absent.
     dask : str, optional
         Address of a Dask scheduler whose workers run the points (extra ``mcsim[dask]``).
+    formats : tuple of str
+        Of the tables in ``output``: ``csv``, ``parquet``.
 
     Returns
     -------
@@ -73,7 +78,7 @@ def run(
         results = assemble(scenario, sweep, time.perf_counter() - begun)
         if damaged:
             results.provenance["remarks"].append(_recomputed(damaged))
-        save(results, folder)
+        save(results, folder, formats, PICTURES)
         (draw or _draw)(results, folder)
         # Failed points are tried again by the same command; the others are kept till then.
         if not sweep.failures:
@@ -87,6 +92,6 @@ def _recomputed(damaged: int) -> str:
 
 
 def _draw(results: Results, folder: Path) -> None:
-    from mcsim.figures import save_figures
+    from mcsim.figures.saving import save_figures
 
     save_figures(results, folder)

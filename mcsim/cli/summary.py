@@ -1,14 +1,12 @@
-"""Tables printed to the terminal."""
+"""The summary of a run on the terminal."""
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from mcsim import catalogue
 from mcsim.results import Results, at_the_end
 from mcsim.scenario import UNITS
+from mcsim.text_table import columns
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -16,7 +14,6 @@ if TYPE_CHECKING:
 _SUMMARY = ("mean", "std", "rms", "p95", "method")
 #: A simulated deviation this many times the first order's is remarked on.
 _EXCEEDS = 1.5
-_LISTED = {"noise_density": "noise density", "range": "range", "bandwidth": "bandwidth"}
 
 
 def summary(results: Results) -> str:
@@ -91,75 +88,3 @@ def _estimate(row: Any, with_interval: bool) -> str:
     low, high = f"{row['ci_low']:.3g}", f"{row['ci_high']:.3g}"
     interval = f" [{low}, {high}]" if with_interval and low != high else ""
     return f"{row['value']:.3g}{interval}"
-
-
-def sensor_list() -> str:
-    """One line per built-in sensor and element: what a scenario takes from it."""
-    rows = [["sensor", "element", *_LISTED.values(), "origin", ""]]
-    for sensor in catalogue.sensors().values():
-        for element, quantities in sensor.elements.items():
-            cells = [_value(quantities.get(key, "–")) for key in _LISTED]
-            rows.append([sensor.name, element, *cells, sensor.origin, sensor.description])
-    return "\n".join(columns(rows))
-
-
-def budget_summary(table: pd.DataFrame) -> str:
-    """An uncertainty budget, one line per row."""
-    rows = [list(map(str, table.columns))]
-    rows += [
-        ["" if value is None or value != value else _short(value) for value in row]
-        for row in table.astype(object).where(table.notna(), None).itertuples(index=False)
-    ]
-    return "\n".join(columns(rows))
-
-
-def _short(value: Any) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
-
-
-def columns(rows: list[list[str]]) -> list[str]:
-    """Lines with the cells of each column padded to the same width."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
-
-
-def sensor_details(name: str) -> str:
-    """Everything the catalogue knows about one sensor, source by source."""
-    sensor = catalogue.find(name)
-    lines = [f"{sensor.name}: {sensor.description} ({sensor.origin})"]
-    for element, quantities in sensor.elements.items():
-        known = {key: quantities.get(key) for key in dict.fromkeys([*_LISTED, *quantities])}
-        lines += [f"  {element}, as a scenario takes it", *_quantities(known)]
-        for record in sensor.records[element]:
-            lines += [f"  {element}, {record.origin}", *_quantities(record.quantities)]
-            lines += _paragraph(f"source: {record.citation}")
-            lines += _paragraph(f"note: {record.note}") if record.note is not None else []
-    return "\n".join(lines)
-
-
-def _paragraph(text: str) -> list[str]:
-    return textwrap.wrap(text, 96, initial_indent="    ", subsequent_indent="      ")
-
-
-def _quantities(quantities: Mapping[str, Any]) -> list[str]:
-    rows = [[f"    {key.replace('_', ' ')}", _value(value)] for key, value in quantities.items()]
-    return columns(rows)
-
-
-def _value(value: Any) -> str:
-    if value is None:
-        return "not given by the source"
-    if isinstance(value, list):
-        return _joined(value, " / " if len(value) == 3 else " … ")
-    return str(value)
-
-
-def _joined(values: list[Any], sign: str) -> str:
-    """Quantities in a row; the unit that all of them have is said once."""
-    numbers, units = zip(*(str(value).partition(" ")[::2] for value in values), strict=True)
-    if len(set(units)) > 1:
-        return sign.join(map(str, values))
-    return f"{sign.join(numbers)} {units[0]}".rstrip()
