@@ -109,7 +109,18 @@ __all__ = [
 ]
 
 _WHERE = {
+    "add": "mcsim.adding",
     "add_rule": "mcsim.systems.own_rules",
+    "algorithm": "mcsim.simulation.own_motion",
+    "Block": "mcsim.scenario.block",
+    "Case": "mcsim.simulation.case",
+    "CaseScenario": "mcsim.scenario.case",
+    "driven": "mcsim.simulation.driven",
+    "ErrorQuantity": "mcsim.scenario.error_quantities",
+    "OwnReckoning": "mcsim.simulation.own_motion",
+    "samples_of": "mcsim.simulation.driven",
+    "Sensors": "mcsim.scenario.sensors",
+    "Trajectory": "mcsim.scenario.tracks",
     "Results": "mcsim.results",
     "Scenario": "mcsim.scenario_file",
     "load": "mcsim.store",

@@ -53,7 +53,7 @@ def problem(overrides: dict[str, Any] | None = None, folder: Path = Path()):
 
 def constants_of(p):
     """Standard deviations (24,) of what the kernel draws once per realization."""
-    return p._deviations(p.measurement)
+    return p.deviations(p.measurement, disturbed=True)
 
 
 def with_errors(p, white, deviations):

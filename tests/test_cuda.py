@@ -53,7 +53,7 @@ def both(tmp_path_factory):
         capture_output=True,
     )
     origin = planar.Motion(0.0, 0.0, 0.0, 0.0, 0.0)
-    system = p._system(p.measurement, disturbed=True)._replace(end=origin)
+    system = p.system(p.measurement, disturbed=True)._replace(end=origin)
     sensors = Sensors(signals, p.sensor_errors.white, p.measurement.terms)
     errors, _ = run(system, KEY, 0, COUNT, sensors)
     return dict(np.load(folder / "result.npz")), errors, t

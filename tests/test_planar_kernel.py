@@ -232,7 +232,7 @@ def problem_without_noise(p):
     from dataclasses import replace
 
     errors = replace(p.sensor_errors, white=np.zeros(3), miscalibration=np.zeros(3))
-    return replace(p, sensor_errors=errors, initial_deviations=np.zeros(4))
+    return replace(p, sensor_errors=errors, initial_deviations=np.zeros(12))
 
 
 def test_trapezoidal_rule_is_of_second_order():

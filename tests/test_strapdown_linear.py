@@ -68,7 +68,7 @@ def test_weights_are_derivatives(rule, sampling):
     for column, places in STARTS.items():
         expected = slope(p, at("start", places), 1e-5)
         atol = 1e-7 * np.abs(expected).max()
-        np.testing.assert_allclose(w.initial[:, column], expected, rtol=1e-4, atol=atol)
+        np.testing.assert_allclose(w.constants[:, column], expected, rtol=1e-4, atol=atol)
 
 
 @pytest.mark.parametrize("rule", ["rectangular", "forward_euler", "two_sample"])

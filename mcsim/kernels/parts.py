@@ -29,24 +29,19 @@ from mcsim.kernels.lanes import LANES
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _Maker = Callable[[type[Any]], Callable[..., Any]]
-_TABLES: dict[Callable[..., Any], dict[type, _Maker]] = {}
+#: What fills in each part, by the class of the system.
+PARTS: dict[Callable[..., Any], dict[type, _Maker]] = {}
 
 
 def part(function: _Function) -> _Function:
     """Declare a part; its first parameter is the system."""
-    table: dict[type, _Maker] = {}
-    _TABLES[function] = table
+    PARTS[function] = {}
 
     def pick(system: Any) -> Callable[..., Any] | None:
-        own = class_of(system)
-        for base in own.__mro__:
-            if base in table:
-                return table[base](own)
-        return None
+        return implementation_of(function, class_of(system))
 
     # Numba compares the names of an overload's parameters with those of the function.
-    code = function.__code__
-    names = code.co_varnames[: code.co_argcount]
+    names = parameters_of(function)
     scope = {"pick": pick}
     exec(f"def choose({', '.join(names)}):\n    return pick({names[0]})", scope)
     overload(function, jit_options=cast(Any, INLINED), strict=False)(scope["choose"])
@@ -57,7 +52,8 @@ def of(function: Callable[..., Any], system: type) -> Callable[[_Function], _Fun
     """Fill in a part for a system, and for systems derived from it that have none of their own."""
 
     def add(implementation: _Function) -> _Function:
-        _TABLES[function][system] = lambda own: implementation
+        _checked(function, implementation)
+        PARTS[function][system] = lambda own: implementation
         return implementation
 
     return add
@@ -67,10 +63,40 @@ def made(function: Callable[..., Any], system: type = object) -> Callable[[_Make
     """Declare what makes a part from a system's class; for every system unless one is given."""
 
     def add(maker: _Maker) -> _Maker:
-        _TABLES[function][system] = maker
+        PARTS[function][system] = maker
         return maker
 
     return add
+
+
+def implementation_of(function: Callable[..., Any], system: type[Any]) -> Callable[..., Any] | None:
+    """What a system, or the nearest class that it is derived from, fills in for a part."""
+    table = PARTS[function]
+    for base in system.__mro__:
+        if base in table:
+            return _checked(function, table[base](system))
+    return None
+
+
+def _checked(function: Callable[..., Any], implementation: _Function) -> _Function:
+    """Refuse an implementation whose parameters are not the part's: positions carry the meaning.
+
+    Raises
+    ------
+    TypeError
+        Other names, another order, or another number of parameters.
+    """
+    wanted, found = parameters_of(function), parameters_of(implementation)
+    if wanted != found:
+        raise TypeError(f"{function.__name__} takes {', '.join(wanted)}; not {', '.join(found)}")
+    return implementation
+
+
+def parameters_of(function: Callable[..., Any]) -> tuple[str, ...]:
+    """Names of a function's parameters, in order."""
+    # Of a compiled function, those of what it was compiled from.
+    code = getattr(function, "py_func", function).__code__
+    return tuple(code.co_varnames[: code.co_argcount])
 
 
 def class_of(system: Any) -> type:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from mcsim.scenario.case import CaseScenario
+from mcsim.scenario.error_quantities import ErrorQuantity
 from mcsim.scenario.idle import IdleKey
 from mcsim.scenario.rules import Rules
 from mcsim.simulation.problem import Problem
@@ -29,6 +30,8 @@ class Case:
     samples : callable
         ``samples(model, folder) -> int``, samples of a realization; refuses what cannot run as
         ``problem`` does, without preparing it.
+    quantities : tuple of ErrorQuantity
+        Errors that no other case has.
     idle : tuple of IdleKey
         Keys that change nothing in some of its scenarios.
     rules : Rules, optional
@@ -41,6 +44,7 @@ class Case:
     scenario: type[CaseScenario]
     problem: Callable[[Any, Path], Problem]
     samples: Callable[[Any, Path], int]
+    quantities: tuple[ErrorQuantity, ...] = ()
     idle: tuple[IdleKey, ...] = ()
     rules: Rules | None = None
     kernel: Callable[[], type[Any]] | None = None

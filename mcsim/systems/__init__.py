@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from mcsim.errors import InputError
 from mcsim.registry import Registry
 from mcsim.scenario.case import CaseScenario
+from mcsim.scenario.error_quantities import ERROR_QUANTITIES
 from mcsim.simulation.case import Case
 from mcsim.simulation.problem import Problem
 
@@ -18,6 +20,20 @@ SYSTEMS: Registry[Case] = Registry(
         "strapdown": "mcsim.systems.strapdown:CASE",
     },
 )
+
+
+def _bring_quantities(case: Case) -> None:
+    for quantity in case.quantities:
+        ERROR_QUANTITIES.add(quantity)
+    unknown = [name for name in case.scenario.ERRORS if name not in ERROR_QUANTITIES]
+    if unknown:
+        raise InputError(
+            f"{case.name}: nobody knows its error {unknown[0]}; give the case an "
+            "`ErrorQuantity` with its unit and words"
+        )
+
+
+SYSTEMS.tell(_bring_quantities)
 
 
 def problem_of(model: CaseScenario, folder: Path) -> Problem:

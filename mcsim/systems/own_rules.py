@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 from collections.abc import Callable
 from typing import Any
 
 from mcsim.errors import InputError
-from mcsim.simulation.own import add_system
+from mcsim.simulation.own import add_system, digest_of
 from mcsim.systems import SYSTEMS
 
 
@@ -66,17 +64,6 @@ def add_rule(
     if variables + base.CHANNELS > custom.MOST_VARIED:
         most = custom.MOST_VARIED - base.CHANNELS
         raise InputError(f"{name}: a state of more than {most} variables has no linear model here")
-    digest = hashlib.blake2b(digest_size=8)
-    for part in (state, start, step, end):
-        digest.update(_source_of(part))
-    own = f"{name}_{digest.hexdigest()}"
+    own = f"{name}_{digest_of(state, start, step, end)}"
     add_system(case, name, custom.system_of(base, own, state, start, step, end))
     rules.add(name)
-
-
-def _source_of(part: Any) -> bytes:
-    """What a part is compiled from: the whole file, since functions call others in it."""
-    try:
-        return (inspect.getsource(inspect.getmodule(part) or part)).encode()
-    except (OSError, TypeError):
-        return repr(part).encode()

@@ -15,7 +15,7 @@ def reconstruct(problem, key: int, realizations, trapezoidal: bool) -> dict[str,
     truth, t = problem.truth, problem.interval
     n = problem.n_samples
     z = constants(key, realizations)
-    d = np.append(problem.sensor_errors.offsets, problem.initial_deviations)
+    d = problem.deviations(problem.measurement, disturbed=True)
     white = np.concatenate([z[None, 8:11], white_noise(key, realizations, n)])
     measured = (
         problem.signals[:, :, None]

@@ -10,13 +10,8 @@ from mcsim.kernels import strapdown
 from mcsim.simulation.problem import Array
 from mcsim.systems.strapdown.scenario import StrapdownScenario
 
-#: Constants of the channels' offsets and of their noise at sample 0, in channel order.
+#: Constants of the channels' offsets, in channel order.
 OFFSETS = [0, 1, 2, strapdown.SPATIAL, strapdown.SPATIAL + 1, strapdown.SPATIAL + 2]
-FIRST = [
-    *range(strapdown.FIRST_PLANAR, strapdown.FIRST_PLANAR + 3),
-    *range(strapdown.FIRST_SPATIAL, strapdown.FIRST_SPATIAL + 3),
-]
-
 
 #: Constants of the mean specific force at rest, and the channels that it is the mean of.
 REST, FORCE = [strapdown.REST, strapdown.REST + 1, strapdown.REST + 2], [0, 1, 3]
@@ -33,6 +28,15 @@ DEVIATIONS = [
     strapdown.PITCH,
     *REST,
 ]
+
+#: Initial errors by source.
+INITIAL = {
+    "initial speed error": (strapdown.SPEED,),
+    "initial direction error": (strapdown.DIRECTION,),
+    "initial heading error": (strapdown.HEADING,),
+    "initial course error": (strapdown.COURSE,),
+    "initial tilt error": (strapdown.ROLL, strapdown.PITCH),
+}
 
 
 def signals_at_rest(force: Array) -> Array:

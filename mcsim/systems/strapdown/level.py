@@ -16,12 +16,11 @@ import numpy as np
 from mcsim.sensors.error_model import Mixing, channel_errors, per_interval
 from mcsim.simulation.lengths import length_quantile
 from mcsim.simulation.limits import duration_limits
+from mcsim.simulation.linear_errors import beyond_controls, length_moments
 from mcsim.simulation.planar import CHANNELS, PlanarProblem, initial_deviations
-from mcsim.simulation.planar_linear import beyond_controls
 from mcsim.simulation.planar_samples import course_missing, wrap
 from mcsim.simulation.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.systems.strapdown.constants import signals_at_rest, tilt_deviations
-from mcsim.systems.strapdown.linear import position_moments
 from mcsim.systems.strapdown.problem import CHANNELS as ALL_CHANNELS
 from mcsim.systems.strapdown.problem import RATES as ALL_RATES
 from mcsim.systems.strapdown.samples import sampled
@@ -217,7 +216,7 @@ def _complete_moments(
     """Moments (8,) from those of the five planar errors; the position's are in space."""
     means, seconds = np.zeros(8), np.zeros(8)
     means[_PLANAR], seconds[_PLANAR] = mean, second
-    means[_POSITION], seconds[_POSITION] = position_moments(method[:3], place)
+    means[_POSITION], seconds[_POSITION] = length_moments(method[:3], place)
     return means, seconds
 
 

@@ -7,7 +7,6 @@ acceleration by ``eps x a``, gravity's reaction included: so does the initial at
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,53 +22,13 @@ from mcsim.kernels.strapdown import (
     Motion,
     Strapdown,
 )
-from mcsim.simulation.lengths import length_quantile, mean_length
-from mcsim.simulation.planar_linear import beyond_controls
-from mcsim.simulation.problem import LinearModel
+from mcsim.simulation.linear_errors import Weights
 from mcsim.trajectory.attitude import euler_angles, rotation_matrix
 
 Array = NDArray[np.float64]
 
-#: Rows of the weights, as in the kernel's linear errors.
-ALONG, ACROSS, HEIGHT, COURSE_ROW, ROLL_ROW, PITCH_ROW, HEADING_ROW = range(7)
 #: Channels of specific force and of turns about the forward, left and up axis.
 _FORCE, _TURN = [0, 1, 3], [4, 5, 2]
-#: Rows in the order of the case's errors, the position apart.
-_REPORTED = [ALONG, ACROSS, HEIGHT, ROLL_ROW, PITCH_ROW, HEADING_ROW, COURSE_ROW]
-#: Place of the position among the reported errors.
-POSITION = 3
-#: Initial errors by source: columns of the weights of what is drawn once.
-_INITIAL = {
-    "initial speed error": [SPEED],
-    "initial direction error": [DIRECTION],
-    "initial heading error": [HEADING],
-    "initial course error": [COURSE],
-    "initial tilt error": [ROLL, PITCH],
-}
-
-
-@dataclass(frozen=True)
-class Weights:
-    """Errors (7: along, across, height, course, roll, pitch, heading) per unit disturbance.
-
-    ``samples`` (7, n + 1, 6) of each channel's error at each sample; ``initial`` (7, 24) of
-    initial errors, in the places of the kernel's constants; ``at_rest`` (7, 6) of the
-    channels' mean errors at the rest that levels the attitude, zero without one.
-    """
-
-    samples: Array
-    initial: Array
-    at_rest: Array
-
-    def variances(self, deviations: Array) -> Mapping[str, Array]:
-        """Variance (7,) of the linear errors by source among the initial errors.
-
-        ``deviations`` (24,) as the kernel has them.
-        """
-        return {
-            source: np.sum((self.initial * deviations)[:, columns] ** 2, axis=1)
-            for source, columns in _INITIAL.items()
-        }
 
 
 @dataclass(frozen=True)
@@ -289,42 +248,3 @@ class _EndErrors:
             ],
             axis=-2,
         )
-
-
-def linear_model(covariance: Array, by_source: Mapping[str, Array], method: Array) -> LinearModel:
-    """Moments of the linear errors and of the controls, in the order of the case's errors.
-
-    ``covariance`` (7, 7) is that of the controls, ``by_source`` the variances (7,) of all that
-    disturbs.  The control of the position error is the length of (method error + linear error)
-    less that of the method error; its moments follow from the exact distribution.
-    """
-    everything = covariance + beyond_controls(covariance, by_source)
-    mean, second = _moments(covariance, method)
-    all_mean, all_second = _moments(everything, method)
-    centre, place = np.asarray(method[:3]), everything[:3, :3]
-    return LinearModel(
-        mean=all_mean,
-        second_moment=all_second,
-        control_mean=mean,
-        control_second_moment=second,
-        variances={
-            source: np.insert(v[_REPORTED], 3, v[:3].sum()) for source, v in by_source.items()
-        },
-        quantiles={POSITION: lambda p: length_quantile(centre, place, p)},
-    )
-
-
-def _moments(covariance: Array, method: Array) -> tuple[Array, Array]:
-    """Mean and second moment (8,) of the reported errors less the method's."""
-    mean, second = position_moments(method[:3], covariance[:3, :3])
-    return (
-        np.insert(np.zeros(7), POSITION, mean),
-        np.insert(np.diag(covariance)[_REPORTED], POSITION, second),
-    )
-
-
-def position_moments(method: Array, covariance: Array) -> tuple[float, float]:
-    """Mean and second moment of the control of the position error."""
-    offset = float(np.linalg.norm(method))
-    length = mean_length(method, covariance)
-    return length - offset, 2.0 * offset**2 + float(np.trace(covariance)) - 2.0 * offset * length

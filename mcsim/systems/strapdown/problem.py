@@ -1,10 +1,10 @@
-"""The strapdown case: a scenario's point as arrays for the strapdown strapdown."""
+"""The strapdown case: a scenario's point as arrays for the strapdown kernel."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,38 +16,27 @@ from mcsim.sensors.error_model import (
     ACCELEROMETER,
     GYROSCOPE,
     Channel,
-    ChannelErrors,
     channel_errors,
     per_interval,
 )
 from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights
-from mcsim.simulation.limits import (
-    angle_limits,
-    duration_limits,
-    passing,
-    pitch_limits,
-    rate_limits,
-    sensor_limits,
-    tilt_limits,
-    units_of,
-)
-from mcsim.simulation.nets import net_normals
+from mcsim.simulation.limits import duration_limits, passing, pitch_limits, tilt_limits
+from mcsim.simulation.linear_errors import Weights
 from mcsim.simulation.own import own_system
 from mcsim.simulation.planar import CHANNELS as PLANAR_CHANNELS
-from mcsim.simulation.planar import SIGNAL_NAMES, rarer
+from mcsim.simulation.planar import SIGNAL_NAMES
 from mcsim.simulation.planar_samples import course_missing, wrap
-from mcsim.simulation.problem import Array, History, Limit, LinearModel, Sample
-from mcsim.simulation.running import LinearWeights, Sensors, adjoint_weights, run
+from mcsim.simulation.problem import Array, History, Limit, LinearModel
+from mcsim.simulation.reckoning import Description, Reckoning
 from mcsim.systems.strapdown.constants import (
     DEVIATIONS,
-    FIRST,
     FORCE,
-    OFFSETS,
+    INITIAL,
     REST,
     initial_deviations,
     signals_at_rest,
 )
-from mcsim.systems.strapdown.linear import Weights, linear_model, linear_weights
+from mcsim.systems.strapdown.linear import linear_weights
 from mcsim.systems.strapdown.samples import sampled
 from mcsim.systems.strapdown.scenario import StrapdownScenario
 from mcsim.systems.strapdown.truth import SpatialMotion, spatial_drive
@@ -60,34 +49,36 @@ CHANNELS = (
     Channel(GYROSCOPE, 1),
 )
 RATES = (False, False, True, False, True, True)
-_SIGNAL_NAMES = (*SIGNAL_NAMES, "upward acceleration", "roll rate", "pitch rate")
 _STILL = 1e-9
+#: Linear errors that all channels act on; the others, of the attitude, have turns alone.
+_MOVED = 4
+DESCRIPTION = Description(
+    errors=StrapdownScenario.ERRORS,
+    signals=(*SIGNAL_NAMES, "upward acceleration", "roll rate", "pitch rate"),
+    lengths={"position": ("along", "across", "height")},
+    wrapping=("roll", "heading", "course"),
+    initial=INITIAL,
+)
 
 
-@dataclass(frozen=True)
-class StrapdownProblem:
-    """Arrays and numbers of the strapdown system; see ``mcsim.kernels.strapdown.Strapdown``.
+@dataclass(frozen=True, kw_only=True)
+class StrapdownProblem(Reckoning):
+    """The strapdown system; see ``mcsim.kernels.strapdown.Strapdown``.
 
-    ``signals`` (n + 1, 6) are true samples, with turns per interval in the place of rates, as
-    in all sensor errors; ``initial_deviations`` (24,) are those of initial errors, in the
-    places of the kernel's constants; ``beyond_rate`` (6,) is the share of each signal's power
-    that the rate does not hold; ``truth`` is the true motion at the samples 0 ... n.
+    ``truth`` is the true motion at the samples 0 ... n, ``rest`` (3,) the specific force at rest
+    (m/s^2), from which roll and pitch are ``levelled``.
     """
 
-    signals: Array
-    sensor_errors: ChannelErrors
-    initial_deviations: Array
     truth: SpatialMotion
     rest: Array
     levelled: bool
     gravity: float
-    interval: float
     rule: str
     previous_share: float
-    missing: Mapping[str, str]
-    beyond_rate: Array = field(default_factory=lambda: np.zeros(6))
-    error_names: tuple[str, ...] = StrapdownScenario.ERRORS
-    percentiles: tuple[float, ...] = StrapdownScenario.PERCENTILES
+
+    @property
+    def description(self) -> Description:
+        return DESCRIPTION
 
     @classmethod
     def from_model(cls, model: StrapdownScenario, folder: Path) -> StrapdownProblem:
@@ -127,16 +118,21 @@ class StrapdownProblem:
         )
 
     @property
-    def n_samples(self) -> int:
-        return len(self.signals) - 1
+    def _own(self) -> type[Any] | None:
+        """The system of a user's own rule."""
+        return own_system("strapdown", self.rule)
+
+    @property
+    def kernel(self) -> Any:
+        return self._own or strapdown.Strapdown
 
     @cached_property
     def weights(self) -> Weights:
-        """First-order weights of all disturbances."""
         if self._own is not None:
-            return self._own_weights()
+            # What levels is taken from the motion that the rule makes.
+            return super().weights
         return linear_weights(
-            self._rows,
+            self.rows,
             self._start,
             self.rest,
             self.levelled,
@@ -146,33 +142,32 @@ class StrapdownProblem:
             self.previous_share,
         )
 
-    @cached_property
-    def measurement(self) -> Measurement:
-        """The sensor errors as the kernel takes them."""
-        first = 1 if self.rule == "forward_euler" else 0
-        return Measurement.of(self.sensor_errors, self._rows, self.interval, first=first)
+    def laid_out(self, samples: Array) -> Array:
+        """All channels act on place and course, turns alone on the attitude."""
+        if self._own is not None:
+            return super().laid_out(samples)
+        turns = samples[_MOVED:][:, :, strapdown.TURNS]
+        return np.column_stack([super().laid_out(samples[:_MOVED]), super().laid_out(turns)])
 
     @cached_property
-    def _at_rest(self) -> AtRest:
+    def at_rest(self) -> AtRest:
         return AtRest(self.weights.at_rest, signals_at_rest(self.rest))
 
     @cached_property
-    def normal_weights(self) -> NormalWeights:
-        """Linear errors per unit normal of the sensors' random numbers."""
-        return self.measurement.fold(self.weights.samples, self._rows, self._at_rest)
+    def rows(self) -> Array:
+        """The samples as the integrator takes them: the forward Euler rule is one behind."""
+        if self.rule != "forward_euler":
+            return self.signals
+        return np.concatenate([self.signals[:1], self.signals[:-1]])
+
+    @property
+    def first(self) -> int:
+        return 1 if self.rule == "forward_euler" else 0
 
     @cached_property
     def linear(self) -> LinearModel:
-        weights = self.weights
-        by_source = {
-            **self.measurement.variances(weights.samples, self._rows, self._at_rest),
-            **weights.variances(self.initial_deviations),
-            "levelling noise": self.measurement.levelling_noise(self._at_rest),
-        }
-        initial = weights.initial * self.initial_deviations
-        covariance = self.normal_weights.covariance + initial @ initial.T
-        model = linear_model(covariance, by_source, self.method_errors())
-        return replace(model, spike_events=self._spike_events, flips=self._flips(model))
+        model = super().linear
+        return replace(model, flips=self._flips(model))
 
     def _flips(self, model: LinearModel) -> Array:
         """Share (8,) of realizations whose pitch passes 90°: roll and heading jump there."""
@@ -183,57 +178,15 @@ class StrapdownProblem:
         flips[[names.index("roll"), names.index("heading")]] = beyond
         return flips
 
-    @cached_property
-    def _spike_events(self) -> Array:
-        """Spikes per realization (8,); those of the position are of the rarest component's."""
-        along, across, height, course, *angles = self.measurement.spike_events(self.weights.samples)
-        place = (along, across, height)
-        return np.array([*place, rarer(*place), *angles, course])
-
-    def limits(self, key: int, count: int) -> tuple[Limit, ...]:
-        errors, spread = self.sensor_errors, self.linear.spread
-        method, names = self.method_errors(), self.error_names
+    def further_limits(self, key: int, count: int) -> Iterator[Limit]:
+        place = self.error_names.index("pitch")
         pitch = self.truth.attitude.pitch
-        ends = pitch[-1] + self.simulate(key, 0, count).errors[names.index("pitch")]
-        level = float(np.max(errors.offsets[:2])) / self.gravity if self.levelled else 0.0
-        return (
-            *sensor_limits(
-                self.measurement,
-                self._rows,
-                units_of(errors, self.interval),
-                self.interval,
-                lambda m: self.measured_by(m).simulate(key, 0, count).errors,
-            ),
-            *rate_limits(self.beyond_rate, 1.0 / self.interval, _SIGNAL_NAMES),
-            *duration_limits(self.n_samples * self.interval),
-            *tilt_limits(level),
-            *pitch_limits(pitch, ends, float(spread[names.index("pitch")])),
-            *angle_limits(names, ("roll", "heading", "course"), method, spread),
-        )
-
-    def measured_by(self, measurement: Measurement) -> StrapdownProblem:
-        """The same problem with other sensors."""
-        other = replace(self)
-        other.__dict__["measurement"] = measurement
-        return other
-
-    @cached_property
-    def _rows(self) -> Array:
-        """The samples as the integrator takes them: the forward Euler rule is one behind."""
-        if self.rule != "forward_euler":
-            return self.signals
-        return np.concatenate([self.signals[:1], self.signals[:-1]])
-
-    @property
-    def _own(self) -> type[Any] | None:
-        """The system of a user's own rule."""
-        return own_system("strapdown", self.rule)
-
-    def _own_weights(self) -> Weights:
-        """Weights from the rule's own steps; what levels is taken from the motion it makes."""
-        system = self._system(Measurement.none(self.sensor_errors), disturbed=False)
-        samples, constants = adjoint_weights(system, self._rows)
-        return Weights(samples, constants, np.zeros((len(samples), samples.shape[2])))
+        ends = pitch[-1] + self.simulate(key, 0, count).errors[place]
+        offsets = self.sensor_errors.offsets
+        level = float(np.max(offsets[:2])) / self.gravity if self.levelled else 0.0
+        yield from duration_limits(self.n_samples * self.interval)
+        yield from tilt_limits(level)
+        yield from pitch_limits(pitch, ends, float(self.linear.spread[place]))
 
     @cached_property
     def _start(self) -> strapdown.Motion:
@@ -254,17 +207,14 @@ class StrapdownProblem:
             *(float(angles[sample]) for angles in (*_angles(truth), truth.course)),
         )
 
-    def _system(self, m: Measurement, disturbed: bool) -> strapdown.Strapdown:
-        """The numbers of the system, with a measurement's offsets."""
-        end = self._motion(-1)
+    def system(self, measurement: Measurement, disturbed: bool) -> Any:
+        m, end = measurement, self._motion(-1)
         if "course" in self.missing:
             end = end._replace(course=math.nan)
-        fixed = self._deviations(m) if disturbed else np.zeros(strapdown.Strapdown.CONSTANTS)
-        deviations = strapdown.Deviations(*map(float, fixed[DEVIATIONS]))
+        fixed = self.deviations(m, disturbed)
         second_order = self.rule in ("trapezoidal", "two_sample")
         turns = [m.largest(self.signals, turn) for turn in strapdown.TURNS]
-        kind: type[strapdown.Strapdown] = self._own or strapdown.Strapdown
-        return kind(
+        return self.kernel(
             way=0 if self._own else strapdown.way_of(self.rule, float(np.linalg.norm(turns))),
             interval=self.interval,
             gravity=self.gravity,
@@ -273,39 +223,24 @@ class StrapdownProblem:
             draws=self.levelled or bool(self._own) or bool(np.any(fixed)),
             levelled=self.levelled,
             rest=strapdown.Force(*map(float, self.rest)),
-            deviations=deviations,
+            deviations=strapdown.Deviations(*map(float, fixed[DEVIATIONS])),
             start=self._start,
             end=end,
         )
 
-    @cached_property
-    def _method_errors(self) -> Array:
-        errors, _ = self._run(0, 0, 1, disturbed=False)
-        return errors[:, 0]
+    def deviations(self, measurement: Measurement, disturbed: bool) -> Array:
+        deviations = super().deviations(measurement, disturbed)
+        if disturbed:
+            if self.rule != "forward_euler":
+                deviations[self.first_noise] = measurement.white
+            deviations[REST] = [measurement.means[channel].deviation for channel in FORCE]
+        return deviations
 
-    def method_errors(self) -> Array:
-        return self._method_errors
-
-    def simulate(
-        self, key: int, first: int, count: int, controls: bool = False, net: int = 0
-    ) -> Sample:
-        errors, linear = self._run(key, first, count, with_linear=controls, net=net)
-        if not controls:
-            return Sample(errors, linear)
-        return Sample(errors, self._controls(linear))
-
-    def _controls(self, linear: Array) -> Array:
-        """Controls (8, r) from linear errors (7, r)."""
-        method = self.method_errors()[:3]
-        along, across, height, course, roll, pitch, heading = linear
-        length = np.sqrt(np.sum((method[:, None] + linear[:3]) ** 2, axis=0))
-        position = length - np.linalg.norm(method)
-        return np.stack([along, across, height, position, roll, pitch, heading, course])
+    def add_levelling(self, weights: NormalWeights, constants: Array) -> None:
+        constants[:, REST] = weights.levelling[:, FORCE]
 
     def history(self, key: int, first: int, count: int, net: int = 0) -> History:
-        states = np.empty((strapdown.Strapdown.HISTORY, self.n_samples + 1, count))
-        self._run(key, first, count, history=states, net=net)
-        truth = self.truth
+        states, truth = self.states(key, first, count, net), self.truth
         errors = states[:3] - truth.position[:, :, None]
         return History(
             time=np.arange(self.n_samples + 1, dtype=float) * self.interval,
@@ -328,58 +263,6 @@ class StrapdownProblem:
         if "course" in self.missing:
             course[-1] = np.nan
         return wrap(course)
-
-    def _run(
-        self,
-        key: int,
-        first: int,
-        count: int,
-        disturbed: bool = True,
-        with_linear: bool = False,
-        history: Array | None = None,
-        net: int = 0,
-    ) -> tuple[Array, Array]:
-        """Errors (8, count) and linear errors (7, count or 0)."""
-        m = self.measurement if disturbed else Measurement.none(self.sensor_errors)
-        drawn = strapdown.Strapdown.CONSTANTS + -(-m.coefficients // 4) * 4
-        return run(
-            self._system(m, disturbed),
-            key,
-            first,
-            count,
-            Sensors(self._rows, m.white, m.terms),
-            self._kernel_weights if with_linear else None,
-            net_normals(key, first, count, net, drawn) if net else None,
-            history,
-        )
-
-    def _deviations(self, m: Measurement) -> Array:
-        """Standard deviations (24,) of the constants, in the kernel's order."""
-        deviations = self.initial_deviations.copy()
-        deviations[OFFSETS] = m.offsets
-        if self.rule != "forward_euler":
-            deviations[FIRST] = m.white
-        deviations[REST] = [m.means[channel].deviation for channel in FORCE]
-        return deviations
-
-    @cached_property
-    def _kernel_weights(self) -> LinearWeights:
-        """Weights laid out for the kernel: four errors of all channels, three of the turns."""
-        w = self.normal_weights
-        if self._own is None:
-            channels = np.moveaxis(w.samples[:4], 0, 1).reshape(-1, 24)
-            turns = np.moveaxis(w.samples[4:][:, :, strapdown.TURNS], 0, 1).reshape(-1, 9)
-            samples = np.column_stack([channels, turns])
-        else:
-            samples = np.moveaxis(w.samples, 0, 1).reshape(-1, 42)
-        fixed = strapdown.Strapdown.CONSTANTS
-        constants = np.zeros((7, fixed + w.mixing.shape[1]))
-        constants[:, :fixed] = self.weights.initial * self.initial_deviations
-        constants[:, OFFSETS] = w.offsets
-        constants[:, FIRST] = w.samples[:, 0]
-        constants[:, REST] = w.levelling[:, FORCE]
-        constants[:, fixed:] = w.mixing
-        return LinearWeights(samples, constants)
 
 
 def _angles(truth: SpatialMotion) -> Array:

@@ -1,0 +1,75 @@
+"""A drive in the plane as three channels sense it: for every case that has these."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mcsim.scenario.sensors import Sensors
+from mcsim.scenario.tracks import Trajectory
+from mcsim.sensors.error_model import (
+    ACCELEROMETER,
+    Channel,
+    ChannelErrors,
+    channel_errors,
+    per_interval,
+)
+from mcsim.simulation.planar import CHANNELS, RATES
+from mcsim.simulation.planar_samples import course_missing, sample_count, sampled
+from mcsim.simulation.problem import Array
+from mcsim.trajectory import Motion, drive_of
+from mcsim.units import STANDARD_GRAVITY
+
+#: The axis of gravity, which a level vehicle does not measure, and the true signals at rest.
+_VERTICAL = (Channel(ACCELEROMETER, 2),)
+_AT_REST = np.array([0.0, 0.0, 0.0, STANDARD_GRAVITY])
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A drive as forward acceleration, left acceleration and yaw rate.
+
+    ``signals`` (n + 1, 3, or 4 with gravity where it shows) and ``sensor_errors`` have turns per
+    interval in the place of yaw rates; ``truth`` is the true motion at the samples.  ``missing``
+    and ``beyond_rate`` as in ``Reckoning``.
+    """
+
+    signals: Array
+    sensor_errors: ChannelErrors
+    truth: Motion
+    interval: float
+    missing: Mapping[str, str]
+    beyond_rate: Array
+
+
+def driven(trajectory: Trajectory, sensors: Sensors, folder: Path) -> Driven:
+    """What sensors of a level vehicle sample of a drive, with their errors.
+
+    Raises
+    ------
+    InputError
+        No such track, or one that is shorter than a sample or absurdly long.
+    """
+    drive = drive_of(trajectory, folder)
+    errors = channel_errors(sensors, CHANNELS, drive.duration, _AT_REST, further=_VERTICAL)
+    samples = sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
+    signals = samples.signals
+    if errors.mixing:
+        # Gravity is not measured, but shows by misalignment and g-sensitivity.
+        signals = np.column_stack([signals, np.full(len(signals), STANDARD_GRAVITY)])
+    return Driven(
+        signals=signals,
+        sensor_errors=per_interval(errors, (*RATES, False), 1.0 / sensors.rate),
+        truth=samples.truth,
+        interval=1.0 / sensors.rate,
+        missing=course_missing(drive),
+        beyond_rate=samples.beyond_rate,
+    )
+
+
+def samples_of(trajectory: Trajectory, sensors: Sensors, folder: Path) -> int:
+    """Samples of a realization, without sensing anything; raises as ``driven`` does."""
+    return sample_count(drive_of(trajectory, folder), sensors.rate)
