@@ -15,6 +15,10 @@ KINDS: dict[str, tuple[str, str]] = {
         "mcsim.scenario.error_quantities:ErrorQuantity",
         "mcsim.scenario.error_quantities:ERROR_QUANTITIES",
     ),
+    "Picture": ("mcsim.figures:Picture", "mcsim.figures:PICTURES"),
+    "PaperTable": ("mcsim.papers:PaperTable", "mcsim.papers:TABLES"),
+    "PaperFigure": ("mcsim.papers:PaperFigure", "mcsim.papers:FIGURES"),
+    "Command": ("mcsim.cli.command:Command", "mcsim.cli.commands:COMMANDS"),
 }
 
 

@@ -81,7 +81,8 @@ class Report:
             marks = {name: mark_of(file.read_bytes()) for name, file in tables.items()}
             texts = {name: text_writer(text) for name, text in self.texts.items()}
             others = {n: beside(n, write) for n, write in {**self.pictures, **texts}.items()}
-            told = text_writer(json_text({**self.provenance, MARKS: marks}))
+            provenance = {**self.provenance, **({MARKS: marks} if marks else {})}
+            told = text_writer(json.dumps(provenance, indent=2, ensure_ascii=False) + "\n")
             files = {**tables, **others, PROVENANCE: beside(PROVENANCE, told)}
             for file in self._obsolete(folder):
                 if file.name not in files:
@@ -117,8 +118,3 @@ def _marked(folder: Path) -> Iterator[str]:
     for name in map(str, names):
         if Path(name).name == name and name.endswith(_OF_TABLES):
             yield name
-
-
-def json_text(provenance: Mapping[str, Any]) -> str:
-    """A provenance as it stands in its file."""
-    return json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"

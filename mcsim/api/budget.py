@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from mcsim.api.found import Found
 from mcsim.errors import InputError
@@ -65,11 +65,15 @@ class UncertaintyBudget(Found):
             shares = draw_shares([self.step], [self.scenario.name], output, of)
             pictures |= printed(shares, f"shares-{output.lower()}")
         return Report(
-            provenance={**circumstances(self.scenario), "remarks": list(self.course.limits)},
+            provenance=self._provenance(),
             tables={"budget": self.table, "comparison": self.comparison},
             pictures=pictures,
             texts={"comparison.txt": self.words},
         )
+
+    def _provenance(self) -> dict[str, Any]:
+        told = circumstances(self.scenario)
+        return {**told, "command": "budget", "remarks": list(self.course.limits)}
 
 
 def budget(scenario: Scenario) -> UncertaintyBudget:
