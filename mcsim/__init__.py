@@ -120,7 +120,7 @@ _WHERE = {
     "OwnReckoning": "mcsim.simulation.own_motion",
     "samples_of": "mcsim.simulation.driven",
     "Sensors": "mcsim.scenario.sensors",
-    "Trajectory": "mcsim.scenario.tracks",
+    "Trajectory": "mcsim.tracks",
     "Results": "mcsim.results",
     "Scenario": "mcsim.scenario_file",
     "load": "mcsim.store",

@@ -19,6 +19,11 @@ KINDS: dict[str, tuple[str, str]] = {
     "PaperTable": ("mcsim.papers:PaperTable", "mcsim.papers:TABLES"),
     "PaperFigure": ("mcsim.papers:PaperFigure", "mcsim.papers:FIGURES"),
     "Command": ("mcsim.cli.command:Command", "mcsim.cli.commands:COMMANDS"),
+    "Track": ("mcsim.tracks:Track", "mcsim.tracks:TRACKS"),
+    "Excitation": (
+        "mcsim.vibration.excitations:Excitation",
+        "mcsim.vibration.excitations:EXCITATIONS",
+    ),
 }
 
 

@@ -49,6 +49,11 @@ class Registry(Mapping[str, P], Generic[P]):
         for part in parts:
             self.add(part)
 
+    @property
+    def one(self) -> str:
+        """The kind with its article: ``a shape of track``, ``an error``."""
+        return f"{'an' if self.kind[:1] in 'aeiou' else 'a'} {self.kind}"
+
     def add(self, part: P) -> None:
         """List one more part.
 
@@ -59,9 +64,9 @@ class Registry(Mapping[str, P], Generic[P]):
         """
         name = part.name
         if not name or not isinstance(name, str):
-            raise InputError(f"a {self.kind} needs a name")
+            raise InputError(f"{self.one} needs a name")
         if name in self._parts:
-            raise InputError(f"{name}: there is a {self.kind} of that name already")
+            raise InputError(f"{name}: there is {self.one} of that name already")
         for tell in self._told:
             tell(part)
         self._parts[name] = part
@@ -89,7 +94,7 @@ class Registry(Mapping[str, P], Generic[P]):
     def unknown(self, name: str) -> str:
         """What to say of a name that no part has."""
         names = ", ".join(self._parts)
-        return f'"{name}" is not a {self.kind} (known: {names}){suggest(name, self._parts)}'
+        return f'"{name}" is not {self.one} (known: {names}){suggest(name, self._parts)}'
 
     def __getitem__(self, name: str) -> P:
         part: Any = self._parts[name]

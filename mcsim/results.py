@@ -19,7 +19,7 @@ from mcsim.scenario_file import Point, Scenario
 from mcsim.scenario_file.effect import without_effect
 from mcsim.statistics import statistic_names
 from mcsim.sweep import SweepResult, check_points, describe_point
-from mcsim.trajectory import drive_notes
+from mcsim.tracks import TrackBlock, drive_of
 from mcsim.units import degrees
 from mcsim.version import __version__
 
@@ -99,8 +99,7 @@ def check(scenario: Scenario) -> None:
 
 def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
     """Turn the points' results into tables."""
-    first = getattr(scenario.points[0].model, "trajectory", None)
-    remarks = [*drive_notes(first, scenario.folder), *_remarks(scenario, sweep)]
+    remarks = [*_notes_of_track(scenario), *_remarks(scenario, sweep)]
     history, tracks = over_time(scenario, sweep)
     return Results(
         scenario=scenario,
@@ -110,6 +109,14 @@ def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
         history=history,
         tracks=tracks,
     )
+
+
+def _notes_of_track(scenario: Scenario) -> tuple[str, ...]:
+    """How the first point's track was read."""
+    track = getattr(scenario.points[0].model, "trajectory", None)
+    if not isinstance(track, TrackBlock):
+        return ()
+    return drive_of(track, scenario.folder).manoeuvre.notes
 
 
 def in_table_unit(name: str, value: Any) -> Any:

@@ -6,8 +6,8 @@ import pytest
 from mcsim.errors import InputError
 from mcsim.logs import ReadOptions, read_log
 from mcsim.logs.date_times import nanoseconds
-from mcsim.scenario.tracks import Columns, Recorded
-from mcsim.trajectory.recorded import load_drive
+from mcsim.tracks.recorded.block import Columns, Recorded
+from mcsim.tracks.recorded.manoeuvre import load_manoeuvre
 from mcsim.vibration.log import read_vibration_log
 
 RATE, ROWS = 100.0, 400
@@ -87,7 +87,7 @@ def test_the_other_readers_take_them_too(tmp_path):
     drive.write_text("\n".join(["time,speed [m/s],course [deg]", *rows]) + "\n")
     columns = Columns(time="time", speed="speed", course="course")
     track = Recorded(shape="recorded", file="drive.csv", columns=columns, smoothing="1 s")
-    assert load_drive(track, tmp_path).duration == pytest.approx(19.9)
+    assert load_manoeuvre(track, tmp_path).duration == pytest.approx(19.9)
     wrong = columns.model_copy(update={"time": "time in s"})
     with pytest.raises(InputError, match="correct one"):
-        load_drive(track.model_copy(update={"columns": wrong}), tmp_path)
+        load_manoeuvre(track.model_copy(update={"columns": wrong}), tmp_path)

@@ -72,21 +72,6 @@ def test_histories_follow_the_twin_and_end_in_the_errors(integration):
     )
 
 
-def test_realizations_do_not_depend_on_blocks_or_their_start():
-    p = problem(ALL_ERRORS)
-    whole = p.simulate(1, 0, 1000).errors
-    parts = [p.simulate(1, a, b - a).errors for a, b in ((0, 1), (1, 66), (66, 130), (130, 1000))]
-    assert np.array_equal(whole, np.concatenate(parts, axis=1))
-
-
-def test_realization_numbers_beyond_32_bits_are_their_own():
-    p = problem()
-    assert not np.array_equal(p.simulate(1, 0, 10).errors, p.simulate(1, 2**32, 10).errors)
-    assert np.array_equal(
-        p.simulate(1, 2**32 - 5, 10).errors[:, 5:], p.simulate(1, 2**32, 5).errors
-    )
-
-
 def test_channels_are_uncorrelated():
     """Along, across and heading errors of a straight run come from one channel each.
 

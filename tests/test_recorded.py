@@ -8,11 +8,11 @@ import pytest
 
 from mcsim import Scenario
 from mcsim.errors import InputError
-from mcsim.scenario.tracks import Columns, Recorded
 from mcsim.systems import problem_of
-from mcsim.trajectory import drive_of
+from mcsim.tracks import drive_of
+from mcsim.tracks.recorded.block import Columns, Recorded
+from mcsim.tracks.recorded.manoeuvre import load_manoeuvre
 from mcsim.trajectory.geodesy import local_position
-from mcsim.trajectory.recorded import load_drive
 
 RADIUS, SPEED = 60.0, 12.0
 EARTH = 6371e3
@@ -168,7 +168,7 @@ def test_a_clock_that_errs_is_mended(tmp_path):
     told = ("1 of 1000 time stamps are no later", "set back by", "begins anew")
     for rows, words in zip((swapped, back, anew), told, strict=True):
         path.write_text("\n".join([header, *rows]))
-        mended = load_drive(recorded(tmp_path).base.trajectory, tmp_path)
+        mended = load_manoeuvre(recorded(tmp_path).base.trajectory, tmp_path)
         # Two samples: the vehicle goes 0.25 m in one.
         assert np.abs(mended.motion(t).along - whole.motion(t).along).max() < 0.5
         assert any(words in note for note in mended.notes), (words, mended.notes)
@@ -287,8 +287,8 @@ def test_what_no_vehicle_does_is_not_driven(tmp_path, columns, header, row, unkn
     fixes(tmp_path, rows, header)
     track = Recorded(shape="recorded", file="gps.csv", columns=columns, smoothing="1 s")
     with pytest.raises(InputError, match=rf"gps.csv:\d+: .*`unknown: {unknown:g}`"):
-        load_drive(track, tmp_path)
-    drive = load_drive(track.model_copy(update={"unknown": unknown}), tmp_path)
+        load_manoeuvre(track, tmp_path)
+    drive = load_manoeuvre(track.model_copy(update={"unknown": unknown}), tmp_path)
     motion = drive.motion(np.linspace(0.0, drive.duration, 50))
     assert np.abs(motion.forward).max() < 5.0
 
@@ -300,10 +300,10 @@ def test_digits_of_a_clock_are_no_seconds(tmp_path):
     fixes(tmp_path, [f"{d},10,90" for d in digits], "t [s],v [m/s],c [deg]")
     track = Recorded(shape="recorded", file="gps.csv", columns=POLAR, smoothing="1 s")
     with pytest.raises(InputError, match="times as digits, hhmmss"):
-        load_drive(track, tmp_path)
+        load_manoeuvre(track, tmp_path)
     # Control: plain seconds beyond a hundred are none.
     fixes(tmp_path, [f"{90 + i / 5},10,90" for i in range(100)], "t [s],v [m/s],c [deg]")
-    assert load_drive(track, tmp_path).duration == pytest.approx(19.8)
+    assert load_manoeuvre(track, tmp_path).duration == pytest.approx(19.8)
 
 
 def test_a_missing_file_is_explained(tmp_path):

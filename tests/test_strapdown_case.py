@@ -11,12 +11,11 @@ import pytest
 import mcsim
 from mcsim import InputError, Scenario
 from mcsim.cli.main import exit_code
-from mcsim.engine import run_point
 from mcsim.papers.gravity_leakage import NOTE_GRAVITY, RATE, gravity_leakage, verdict
 from mcsim.papers.shipped import shipped_scenarios
 from mcsim.systems.strapdown.scenario import StrapdownScenario
 from tests.conftest import ALL_ERRORS
-from tests.strapdown import EVERYTHING, LEANING, problem, scenario
+from tests.strapdown import LEANING, problem, scenario
 
 YAML = """\
 case: strapdown
@@ -107,88 +106,12 @@ def test_points_that_cannot_lean_are_refused_before_anything_runs():
         mcsim.run(s)
 
 
-def test_the_schema_knows_the_case():
-    from jsonschema import Draft7Validator
-
-    from mcsim.scenario_file.schema import scenario_schema
-
-    schema = scenario_schema()
-    Draft7Validator.check_schema(schema)
-    tree = dict(Scenario.from_yaml(YAML).document.tree)
-    Draft7Validator(schema).validate(tree)
-    tree["body"] = {"bank": "2 °", "lean": "3 °"}
-    assert not Draft7Validator(schema).is_valid(tree)
-
-
-def test_tables_are_tidy_and_do_not_depend_on_jobs(tmp_path):
-    s = Scenario.from_yaml(YAML)
-    results = mcsim.run(s, output=tmp_path, jobs=1)
-    table = results.table
-    assert list(dict.fromkeys(table["error"])) == list(StrapdownScenario.ERRORS)
-    assert set(table["unit"]) == {"m", "deg"}
-    assert len(table) == 4 * 8 * 6
-    assert (tmp_path / "scenario" / "figure.png").stat().st_size > 10_000
-    for jobs in (2, 5):
-        pd.testing.assert_frame_equal(table, mcsim.run(s, jobs=jobs).table, check_exact=True)
-
-
-def test_results_do_not_depend_on_threads():
-    settings = scenario({"monte_carlo.realizations": 9001}).base.monte_carlo
-    for overrides in (EVERYTHING, {**EVERYTHING, "reconstruction.algorithm": "planar"}):
-        p = problem(overrides)
-        one, three = (run_point(p, settings, 5, threads).estimates for threads in (1, 3))
-        assert np.array_equal(one.value, three.value)
-        assert np.array_equal(one.low, three.low)
-
-
 def test_an_added_point_changes_no_other_row():
     s = Scenario.from_yaml(YAML)
     more = s.with_values({"sweep.initial.tilt_error": ["0.1 °", "0.5 °", "1 °"]})
     few, many = mcsim.run(s).table, mcsim.run(more).table
     kept = many[many["initial.tilt_error [°]"] != 0.5].reset_index(drop=True)
     pd.testing.assert_frame_equal(few, kept, check_exact=True)
-
-
-def test_control_variates_narrow_the_intervals():
-    widths = {}
-    for estimator in ("plain", "control_variate"):
-        settings = scenario({"monte_carlo.estimator": estimator}).base.monte_carlo
-        e = run_point(problem(ALL_ERRORS), settings, 5).estimates
-        widths[estimator] = (e.high - e.low)[:, 2]
-    assert np.all(widths["plain"] > 30 * widths["control_variate"])
-
-
-def test_linear_answers_agree_with_monte_carlo():
-    s = scenario({**EVERYTHING, "monte_carlo.estimator": "linear"})
-    linear = mcsim.run(s).table
-    simulated = mcsim.run(
-        s.with_values(
-            {"monte_carlo.estimator": "control_variate", "monte_carlo.realizations": 20_000}
-        )
-    ).table
-    for statistic in ("rms", "p95"):
-        ours, theirs = (t[t["statistic"] == statistic] for t in (linear, simulated))
-        np.testing.assert_allclose(ours["value"], theirs["value"], rtol=0.02, atol=0.02)
-
-
-def test_history_and_tracks_end_in_the_table():
-    for algorithm in ("strapdown", "planar"):
-        s = scenario(
-            {
-                **EVERYTHING,
-                "reconstruction.algorithm": algorithm,
-                "monte_carlo.realizations": 300,
-                "monte_carlo.estimator": "plain",
-                "outputs": {"history": True, "tracks": 3},
-            }
-        )
-        results = mcsim.run(s)
-        end = results.history[results.history["time [s]"] == results.history["time [s]"].max()]
-        for statistic in ("mean", "std", "rms"):
-            a = end[end["statistic"] == statistic].set_index("error")["value"]
-            b = results.table[results.table["statistic"] == statistic].set_index("error")["value"]
-            names = list(StrapdownScenario.ERRORS)
-            np.testing.assert_allclose(a[names], b[names], rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize("algorithm", ["strapdown", "planar"])

@@ -94,22 +94,6 @@ def test_controls_follow_the_errors_and_their_moments_are_exact(rule, levelled):
     assert np.abs((c2.mean(axis=1) - second) / c2.std(axis=1)).max() < 5 / np.sqrt(n)
 
 
-def test_realizations_do_not_depend_on_controls():
-    p = problem(EVERYTHING)
-    with_controls = p.simulate(1, 0, 300, controls=True).errors
-    assert np.array_equal(p.simulate(1, 0, 300).errors, with_controls)
-
-
-def test_sources_add_up_to_the_whole_variance():
-    p = problem({**EVERYTHING, "initial.levelling": {"duration": "1 s"}})
-    total = sum(p.linear.variances.values())
-    np.testing.assert_allclose(total[ORDER], p.linear.second_moment[ORDER], rtol=1e-12)
-    np.testing.assert_allclose(total[3], total[:3].sum(), rtol=1e-12)
-    present = [source for source, parts in p.linear.variances.items() if parts.max() > 0.0]
-    assert len(present) == 10
-    assert all(np.all(parts >= 0.0) for parts in p.linear.variances.values())
-
-
 def test_one_source_alone_is_its_share():
     p = problem(EVERYTHING)
     for source, keep in (

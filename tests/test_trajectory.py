@@ -9,7 +9,8 @@ from scipy.integrate import cumulative_simpson, quad
 from scipy.special import ellipeinc, fresnel
 
 from mcsim.errors import InputError
-from mcsim.trajectory import CurveManoeuvre, drive_of
+from mcsim.tracks import drive_of
+from mcsim.trajectory import CurveManoeuvre
 from mcsim.trajectory.curves import ClothoidCurve
 from tests.conftest import scenario
 

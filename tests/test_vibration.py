@@ -1,9 +1,12 @@
 """Vibration: excitations, the chain of filters, spectra and figures, against closed forms."""
 
+import json
 import math
 import re
 from pathlib import Path
+from typing import Literal
 
+import jsonschema
 import numpy as np
 import pandas as pd
 import pytest
@@ -15,13 +18,25 @@ from mcsim.errors import InputError
 from mcsim.papers.sensor_deviations import printed, remarks, sensor_table
 from mcsim.papers.shipped import shipped_scenarios
 from mcsim.scenario.document import parse_document
+from mcsim.scenario.fields import Acceleration
 from mcsim.scenario.validation import validate
 from mcsim.scenario_file import Scenario
 from mcsim.vibration.analysis import Engine, analyse
-from mcsim.vibration.excitation import acceleration, elevator_phases, elevator_speed
+from mcsim.vibration.excitations import (
+    EXCITATIONS,
+    Excitation,
+    ExcitationBlock,
+    acceleration,
+)
+from mcsim.vibration.excitations.elevator import elevator_phases, elevator_speed
 from mcsim.vibration.log import Log, read_vibration_log
 from mcsim.vibration.processing import filters
-from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
+from mcsim.vibration.scenario import (
+    Chain,
+    VibrationScenario,
+    read_vibration,
+    vibration_schema,
+)
 from mcsim.vibration.simulation import AXES, oversampling, simulate
 from mcsim.vibration.spectra import (
     amplitude_spectrum,
@@ -85,6 +100,52 @@ def test_sweeps_are_scipys_chirps(scale, method, first, last):
     found = acceleration(excitation, TIME, 20.0)
     theirs = 2 * chirp(TIME, first, 20.0, last, method, phi=-90)
     np.testing.assert_allclose(found, theirs, atol=1e-6)
+
+
+EXCITED = {
+    "harmonic": ENGINE.splitlines()[-1].removeprefix("excitation: "),
+    "sweep": "{shape: sweep, first: 1 Hz, last: 10 Hz, amplitude: 1 m/s²}",
+    "elevator": ELEVATOR.replace("}", ", hum: [{frequency: 9 Hz, amplitude: 0.1 m/s²}]}"),
+}
+
+
+def test_every_excitation_has_an_example():
+    assert list(EXCITED) == list(EXCITATIONS)
+
+
+@pytest.mark.parametrize("name", EXCITED)
+def test_an_excitation_reads_back_from_what_it_writes(name):
+    excitation = with_excitation(EXCITED[name])
+    assert type(excitation) is EXCITATIONS[name].block
+    assert with_excitation(json.dumps(excitation.model_dump(mode="json"))) == excitation
+
+
+@pytest.mark.parametrize("name", EXCITED)
+def test_an_unknown_key_of_an_excitation_is_told_with_its_own(name):
+    with pytest.raises(InputError) as told:
+        with_excitation(EXCITED[name].replace("{shape", "{colour: red, shape"))
+    known = ", ".join(EXCITATIONS[name].block.model_fields)
+    assert str(told.value) == (
+        f'case.yaml:5: excitation.colour: unknown key "colour" (known here: {known})'
+    )
+
+
+class Knock(ExcitationBlock):
+    """One that a user adds."""
+
+    shape: Literal["knock"]
+    amplitude: Acceleration
+
+
+def test_an_excitation_from_outside_is_simulated():
+    EXCITATIONS.add(Excitation("knock", Knock, lambda block, t, _: block.amplitude * (t < 0.1)))
+    try:
+        text = ENGINE.replace(EXCITED["harmonic"], "{shape: knock, amplitude: 3 m/s²}")
+        log = simulate(scenario(text), "knock")
+        jsonschema.Draft7Validator(vibration_schema()).validate(parse_document(text).tree)
+    finally:
+        EXCITATIONS.remove("knock")
+    assert log.samples[:90, 2].mean() - log.samples[110:, 2].mean() == pytest.approx(3.0, abs=1e-3)
 
 
 def test_elevator_reaches_speed_and_floor():

@@ -15,7 +15,7 @@ from mcsim.scenario.document import Document, PathKey
 from mcsim.scenario.validation import validate
 from mcsim.vibration.analysis import Analysis, Engine, analyse
 from mcsim.vibration.log import Log, read_vibration_log
-from mcsim.vibration.scenario import Chain, Harmonic, VibrationScenario, read_vibration
+from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
 from mcsim.vibration.simulation import simulate
 
 if TYPE_CHECKING:
@@ -171,8 +171,9 @@ def _engine(
         if not 0.0 < rpm < 1e6:
             raise InputError(f"--rpm {rpm:g}: must be above zero and below a million")
         return Engine(rpm / 60.0, cylinders or 4)
-    if scenario is not None and isinstance(scenario.excitation, Harmonic):
-        return Engine(scenario.excitation.speed, cylinders or scenario.excitation.cylinders)
+    if scenario is not None and scenario.excitation.engine is not None:
+        speed, own = scenario.excitation.engine
+        return Engine(speed, cylinders or own)
     if cylinders is not None:
         raise InputError("--cylinders needs the engine's speed: give --rpm too")
     return None

@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from mcsim.scenario.document import PathKey, get_path
 from mcsim.scenario.fields import Quantity
+from mcsim.scenario.one_of import OneOf, one_of
 from mcsim.scenario.sensor_block import N_AXES, OneOrThree
 from mcsim.units import Kind
 
@@ -38,9 +39,14 @@ def split_path(path: str) -> PathKey:
     )
 
 
-@cache
 def scalars(model: type[BaseModel]) -> dict[str, Scalar]:
     """All scalar paths of a model; list indices are written ``*``."""
+    return _scalars(model, OneOf.known())
+
+
+@cache
+def _scalars(model: type[BaseModel], _: tuple[str, ...]) -> dict[str, Scalar]:
+    """The paths, as long as the parts that blocks belong to are these."""
     return {scalar.path: scalar for scalar in _walk(model, "")}
 
 
@@ -83,8 +89,11 @@ def _walk(annotation: Any, path: str, metadata: tuple[Any, ...] = ()) -> Iterato
     if origin is Annotated:
         inner, *extra = get_args(annotation)
         yield from _walk(inner, path, (*extra, *metadata))
+    elif (mark := one_of(metadata)) is not None:
+        for block in mark.blocks:
+            yield from _walk(block, path)
     elif origin in (Union, types.UnionType):
-        # `X | None` is an optional X; several blocks are the shapes of a track.
+        # `X | None` is an optional X.
         for member in get_args(annotation):
             if member is not type(None):
                 yield from _walk(member, path, metadata)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import types
+from collections.abc import Callable
+from functools import partial
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -12,6 +14,7 @@ from mcsim.errors import InputError, UnitError
 from mcsim.registry import suggest
 from mcsim.scenario.document import Document, PathKey, get_path
 from mcsim.scenario.fields import Quantity
+from mcsim.scenario.one_of import one_of
 from mcsim.scenario.sensor_block import OneOrThree
 from mcsim.units import in_unit, split
 
@@ -19,6 +22,8 @@ from mcsim.units import in_unit, split
 _MOST = 10
 
 Model = TypeVar("Model", bound=BaseModel)
+#: From a pydantic location to the field there, and the models that may stand in it.
+Field = Callable[[tuple[str | int, ...]], tuple[Any, list[Any]]]
 
 
 def validate(document: Document, model: type[Model]) -> Model:
@@ -41,14 +46,13 @@ def describe(
     """The problems of a failed validation, one per line."""
     messages: list[str] = []
     problems = error.errors()
+    tree = get_path(document.tree, prefix)
     for details in problems:
         if details["type"] == "too_short" and _has_bad_items(details, problems):
             continue  # bad items are not counted; they have lines of their own
-        path = (*prefix, *_plain_path(details["loc"], get_path(document.tree, prefix)))
-        if details["type"].startswith("union_tag"):
-            path = (*path, "shape")
+        path = (*prefix, *_plain_path(details["loc"], tree))
         line = f"{document.place(path)}: {'.'.join(map(str, path)) or 'scenario'}: "
-        line += _explain(details, path, model)
+        line += _explain(details, path, partial(_field, model=model, tree=tree))
         if line not in messages:
             messages.append(line)
     shown = messages[:_MOST]
@@ -72,12 +76,12 @@ def _plain_path(loc: tuple[str | int, ...], tree: Any) -> PathKey:
         if known or in_list:
             path.append(key)
             tree = tree[key] if known or (in_list and int(key) < len(tree)) else None
-        elif is_last and isinstance(tree, dict) and key != tree.get("shape"):
+        elif is_last and isinstance(tree, dict):
             path.append("from" if key == "from_" else key)
     return tuple(path)
 
 
-def _explain(details: ErrorDetails, path: PathKey, model: type[BaseModel]) -> str:
+def _explain(details: ErrorDetails, path: PathKey, field: Field) -> str:
     kind = details["type"]
     context = details.get("ctx", {})
     given = details["input"]
@@ -85,17 +89,14 @@ def _explain(details: ErrorDetails, path: PathKey, model: type[BaseModel]) -> st
     if kind == "mcsim":
         return str(context["message"])
     if kind == "missing":
-        return "is missing" + _example(details, model)
+        return "is missing" + _example(details, field)
     if kind == "extra_forbidden":
-        known = _siblings(details["loc"], model)
+        known = _siblings(details["loc"], field)
         return f'unknown key "{name}"{suggest(name, known)} (known here: {", ".join(known)})'
-    if kind in ("literal_error", "union_tag_invalid"):
-        choices = str(context.get("expected") or context.get("expected_tags", ""))
-        words = [word.strip(" '\"") for word in choices.replace(" or ", ", ").split(",")]
-        tag = given.get("shape") if isinstance(given, dict) else given
-        return f'"{tag}" is not one of {", ".join(words)}{suggest(str(tag), words)}'
-    if kind == "union_tag_not_found":
-        return "`shape` is missing; write for example `shape: half_cosine`"
+    if kind == "literal_error":
+        choices = str(context["expected"]).replace(" or ", ", ")
+        words = [word.strip(" '\"") for word in choices.split(",")]
+        return f'"{given}" is not one of {", ".join(words)}{suggest(str(given), words)}'
     bounds = {
         "greater_than": ("greater than", "gt"),
         "greater_than_equal": ("at least", "ge"),
@@ -104,7 +105,7 @@ def _explain(details: ErrorDetails, path: PathKey, model: type[BaseModel]) -> st
     }
     if kind in bounds:
         words_, key = bounds[kind]
-        return f'"{given}" must be {words_} {_bound(details, context[key], model)}'
+        return f'"{given}" must be {words_} {_bound(details, context[key], field)}'
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return f"a block of `key: value` lines is needed here, not {_show(given)}"
     if kind.startswith("int_"):
@@ -127,37 +128,43 @@ def _show(value: Any) -> str:
     return text if len(text) <= 40 else text[:37] + "…"
 
 
-def _field(loc: tuple[str | int, ...], model: Any) -> Any:
-    """The annotation metadata at a pydantic location, or None."""
+def _field(loc: tuple[str | int, ...], model: Any, tree: Any) -> tuple[Any, list[Any]]:
+    """The field at a pydantic location, or None, and the models that may stand in it.
 
-    def models(annotation: Any) -> list[type[BaseModel]]:
-        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-            return [annotation]
-        if get_origin(annotation) is Annotated:
-            return models(get_args(annotation)[0])
-        return [m for a in get_args(annotation) for m in models(a)]
-
-    current = models(model)
+    ``tree`` is what is written: of several blocks it tells which is meant.
+    """
+    current = _models(model)
     found = None
     for key in loc:
-        tagged = [
-            m
-            for m in current
-            if "shape" in m.model_fields and key in get_args(m.model_fields["shape"].annotation)
-        ]
-        if tagged:
-            current = tagged
-            continue
+        tree = _below(tree, key)
         for candidate in current:
             if key in candidate.model_fields:
                 found = candidate.model_fields[str(key)]
-                current = models(found.annotation)
+                mark = one_of(found.metadata)
+                current = list(mark.block_of(tree)) if mark else _models(found.annotation)
                 break
     return found, current
 
 
-def _siblings(loc: tuple[str | int, ...], model: type[BaseModel]) -> list[str]:
-    _, current = _field(loc[:-1], model)
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    if get_origin(annotation) is Annotated:
+        return _models(get_args(annotation)[0])
+    return [model for argument in get_args(annotation) for model in _models(argument)]
+
+
+def _below(tree: Any, key: str | int) -> Any:
+    """What is written at a key, or the tree itself where pydantic names a member of a union."""
+    if isinstance(tree, dict) and key in tree:
+        return tree[key]
+    if isinstance(tree, list) and isinstance(key, int) and key < len(tree):
+        return tree[key]
+    return tree
+
+
+def _siblings(loc: tuple[str | int, ...], field: Field) -> list[str]:
+    _, current = field(loc[:-1])
     names: list[str] = []
     for candidate in current:
         names += [f.alias or n for n, f in candidate.model_fields.items()]
@@ -184,8 +191,8 @@ def _quantity_within(annotation: Any) -> Quantity | None:
     return None
 
 
-def _example(details: ErrorDetails, model: type[BaseModel]) -> str:
-    found, _ = _field(details["loc"], model)
+def _example(details: ErrorDetails, field: Field) -> str:
+    found, _ = field(details["loc"])
     quantity = _quantity(found)
     if quantity is not None and (_is_scalar(found) or _is_per_axis(found)):
         return f"; write for example `{details['loc'][-1]}: {quantity.details.example}`"
@@ -200,8 +207,8 @@ def _is_per_axis(found: Any) -> bool:
     return any(isinstance(m, OneOrThree) for m in found.metadata)
 
 
-def _bound(details: ErrorDetails, bound: Any, model: type[BaseModel]) -> str:
-    found, _ = _field(details["loc"], model)
+def _bound(details: ErrorDetails, bound: Any, field: Field) -> str:
+    found, _ = field(details["loc"])
     quantity = _quantity(found)
     if quantity is not None and quantity.kind == "ratio":
         return f"{100.0 * bound:g} %"

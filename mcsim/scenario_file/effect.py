@@ -8,18 +8,11 @@ from typing import TYPE_CHECKING, Any
 from mcsim.scenario.document import get_path
 from mcsim.scenario.idle import IdleKey
 from mcsim.scenario.paths import split_path
-from mcsim.scenario.tracks import Recorded
 from mcsim.systems import SYSTEMS
+from mcsim.tracks import TrackBlock, track_of
 
 if TYPE_CHECKING:
     from mcsim.scenario_file.scenario import Scenario
-
-
-def _has_no_angles(model: Any) -> bool:
-    track = getattr(model, "trajectory", None)
-    if not isinstance(track, Recorded):
-        return False
-    return track.columns.course is None and track.columns.heading is None
 
 
 def _beside_linear(key: str, reason: str) -> IdleKey:
@@ -70,9 +63,6 @@ COMMON: tuple[IdleKey, ...] = (
         lambda model: getattr(getattr(model, "trajectory", None), "side_slip", None) == 0.0,
         "`trajectory.side_slip` is zero",
     ),
-    IdleKey(
-        "trajectory.angles", ("trajectory.columns",), _has_no_angles, "no recorded angle is used"
-    ),
 )
 
 
@@ -84,7 +74,7 @@ def without_effect(scenario: Scenario) -> list[str]:
 def _sentences(scenario: Scenario) -> Iterator[str]:
     swept = [axis.path for axis in scenario.axes]
     document = scenario.document
-    for rule in (*COMMON, *SYSTEMS[scenario.base.case].idle):
+    for rule in (*COMMON, *_of_track(scenario.base), *SYSTEMS[scenario.base.case].idle):
         keys = split_path(rule.path)
         written = get_path(document.tree, keys) is not None or rule.path in swept
         decided = any(path.startswith(rule.deciding) for path in swept if path != rule.path)
@@ -96,6 +86,12 @@ def _sentences(scenario: Scenario) -> Iterator[str]:
         path = "monte_carlo.common_random_numbers"
         place = document.place(split_path(path))
         yield f"{place}: {path} has no effect: nothing is swept"
+
+
+def _of_track(model: Any) -> tuple[IdleKey, ...]:
+    """The rules of the scenario's shape of track, if it has one."""
+    track = getattr(model, "trajectory", None)
+    return track_of(track).idle if isinstance(track, TrackBlock) else ()
 
 
 def _is_default(model: Any, path: str) -> bool:

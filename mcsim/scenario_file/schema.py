@@ -61,19 +61,10 @@ def scenario_schema() -> dict[str, Any]:
             }
             for name, model in models.items()
         ],
-        "definitions": _without_discriminators(definitions),
+        "definitions": definitions,
     }
 
 
 def _schema_of(model: type[BaseModel]) -> dict[str, Any]:
     """Pydantic's schema of a model, with references as draft 7 writes them."""
     return model.model_json_schema(by_alias=True, ref_template="#/definitions/{model}")
-
-
-def _without_discriminators(node: Any) -> Any:
-    """Drop OpenAPI's ``discriminator``, which draft 7 does not know."""
-    if isinstance(node, dict):
-        return {k: _without_discriminators(v) for k, v in node.items() if k != "discriminator"}
-    if isinstance(node, list):
-        return [_without_discriminators(item) for item in node]
-    return node

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from mcsim.scenario.sensors import Sensors
-from mcsim.scenario.tracks import Trajectory
 from mcsim.sensors.error_model import (
     ACCELEROMETER,
     Channel,
@@ -20,7 +19,8 @@ from mcsim.sensors.error_model import (
 from mcsim.simulation.planar import CHANNELS, RATES
 from mcsim.simulation.planar_samples import course_missing, sample_count, sampled
 from mcsim.simulation.problem import Array
-from mcsim.trajectory import Motion, drive_of
+from mcsim.tracks import Trajectory, drive_of
+from mcsim.trajectory import Motion
 from mcsim.units import STANDARD_GRAVITY
 
 #: The axis of gravity, which a level vehicle does not measure, and the true signals at rest.

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from mcsim.trajectory.curves import Array, PlaneCurve
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 #: Half-width (s) of the look to both sides of a jump.
 _BESIDE = 1e-7
@@ -43,25 +46,33 @@ class Motion:
 
 
 class Manoeuvre(Protocol):
-    """Motion between time 0 and ``duration``, without lead segments."""
+    """Motion between time 0 and ``duration``, without lead segments; derive from it.
 
-    @property
-    def duration(self) -> float:
-        """Seconds."""
+    Attributes
+    ----------
+    duration : float
+        Seconds.
+    stops : bool
+        Whether the vehicle stands still at the end; then there is no lead-out.
+    jumps : tuple of float
+        Times strictly inside at which accelerations may jump (s).
+    notes : tuple of str
+        What a user should know of where the motion comes from.
+    attitude : pair of BSpline, optional
+        Roll and pitch of the body (rad) over time, where they are known beforehand.
+    """
 
-    @property
-    def stops(self) -> bool:
-        """Whether the vehicle stands still at the end; then there is no lead-out."""
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """Times strictly inside at which accelerations may jump (s)."""
+    duration: float
+    stops: bool
+    jumps: tuple[float, ...] = ()
+    notes: tuple[str, ...] = ()
+    attitude: tuple[BSpline, BSpline] | None = None
 
     def motion(self, t: Array) -> Motion:
         """The motion at times within [0, duration]."""
 
 
-class CurveManoeuvre:
+class CurveManoeuvre(Manoeuvre):
     """A plane curve driven with constant deceleration.
 
     ``s(t) = v0 t - a t^2 / 2``; if ``v0^2 <= 2 a S`` the vehicle stops at ``v0 / a``

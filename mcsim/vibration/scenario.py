@@ -6,113 +6,23 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from annotated_types import Ge, Le, Len
-from pydantic import Field, model_validator
+from annotated_types import Ge, Le
+from pydantic import model_validator
 
 from mcsim import catalogue
 from mcsim.errors import InputError
 from mcsim.scenario.block import Block, Whole
 from mcsim.scenario.document import read_document
-from mcsim.scenario.fields import (
-    Acceleration,
-    Angle,
-    Frequency,
-    Jerk,
-    Length,
-    NotNegative,
-    Positive,
-    RotationalSpeed,
-    Speed,
-    Time,
-    reject,
-)
+from mcsim.scenario.fields import Frequency, NotNegative, Positive, Time, reject
 from mcsim.scenario.named_sensor import NamedAccelerometer
 from mcsim.scenario.run import LARGEST_SEED
 from mcsim.scenario.validation import validate
 from mcsim.scenario_file.schema import SCHEMA_DRAFT
+from mcsim.vibration.excitations import AnyExcitation
 
 CASE = "vibration"
 #: More samples than this are not simulated.
 MOST_SAMPLES = 20_000_000
-
-
-class Order(Block):
-    """One harmonic of a shaft."""
-
-    order: Annotated[float, Positive, Le(1000.0)]
-    """Periods per revolution of the crankshaft."""
-    amplitude: Annotated[Acceleration, NotNegative]
-    phase: Angle = 0.0
-
-
-class Harmonic(Block):
-    """A machine that turns steadily: a sum of orders."""
-
-    shape: Literal["harmonic"]
-    speed: Annotated[RotationalSpeed, Positive]
-    """Speed of the crankshaft."""
-    cylinders: Annotated[int, Whole, Ge(1), Le(64)] = 4
-    """Of a four-stroke engine: half as many firings per revolution."""
-    orders: Annotated[tuple[Order, ...], Len(1, 100)]
-
-
-class Sweep(Block):
-    """A shaker that runs through frequencies at a constant amplitude of acceleration."""
-
-    shape: Literal["sweep"]
-    first: Annotated[Frequency, Positive]
-    """Frequency at the start."""
-    last: Annotated[Frequency, Positive]
-    """Frequency at the end."""
-    amplitude: Annotated[Acceleration, NotNegative]
-    scale: Literal["linear", "log"] = "log"
-    """How the frequency goes with time."""
-
-    @model_validator(mode="after")
-    def _goes_somewhere(self) -> Sweep:
-        if self.first == self.last:
-            raise reject("`first` and `last` are equal; a harmonic excitation does that")
-        return self
-
-
-class Hum(Block):
-    """A vibration of the moving car, growing with its speed."""
-
-    frequency: Annotated[Frequency, Positive]
-    amplitude: Annotated[Acceleration, NotNegative]
-    """At full speed."""
-
-
-class Elevator(Block):
-    """An elevator's run: trapezoidal velocity with limited jerk."""
-
-    shape: Literal["elevator"]
-    distance: Annotated[Length, Positive]
-    """Travel, upwards."""
-    speed: Annotated[Speed, Positive]
-    acceleration: Annotated[Acceleration, Positive]
-    """Largest acceleration."""
-    jerk: Annotated[Jerk, Positive]
-    start: Annotated[Time, NotNegative] = 2.0
-    """When the run begins."""
-    hum: Annotated[tuple[Hum, ...], Len(0, 20)] = ()
-
-    @model_validator(mode="after")
-    def _reaches_its_speed(self) -> Elevator:
-        if self.speed * self.jerk < self.acceleration**2:
-            raise reject(
-                f"the acceleration cannot be reached: with this jerk and speed the largest is "
-                f"{(self.speed * self.jerk) ** 0.5:.3g} m/s²"
-            )
-        needed = self.speed * (self.speed / self.acceleration + self.acceleration / self.jerk)
-        if self.distance < needed:
-            raise reject(
-                f"the distance is too short to reach the speed: at least {needed:.3g} m are needed"
-            )
-        return self
-
-
-Excitation = Annotated[Harmonic | Sweep | Elevator, Field(discriminator="shape")]
 
 
 class Chain(Block):
@@ -146,7 +56,7 @@ class VibrationScenario(Block):
     gravity: bool = True
     """Whether the z axis also senses gravity."""
     seed: Annotated[int, Whole, Ge(0), Le(LARGEST_SEED)] = 1
-    excitation: Excitation
+    excitation: AnyExcitation
     analysis: Chain = Chain()
 
     @model_validator(mode="after")
@@ -209,8 +119,6 @@ def vibration_schema() -> dict[str, Any]:
     definitions["AccelerometerErrors"] = {
         "anyOf": [{"enum": names, "description": "A sensor of the catalogue"}, block]
     }
-    excitation = schema["properties"]["excitation"]
-    excitation.pop("discriminator", None)
     return {
         "$schema": SCHEMA_DRAFT,
         "title": "mcsim vibration scenario",

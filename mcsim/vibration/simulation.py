@@ -10,7 +10,7 @@ import numpy as np
 from mcsim import catalogue
 from mcsim.sensors.signal_errors import Element, SignalErrors, signal_errors
 from mcsim.units import STANDARD_GRAVITY
-from mcsim.vibration.excitation import acceleration
+from mcsim.vibration.excitations import acceleration
 from mcsim.vibration.log import Log
 from mcsim.vibration.scenario import VibrationScenario
 

@@ -19,7 +19,7 @@ def _problem(model: PlanarScenario, folder: Path) -> Problem:
 
 def _samples(model: PlanarScenario, folder: Path) -> int:
     from mcsim.simulation.planar_samples import sample_count
-    from mcsim.trajectory import drive_of
+    from mcsim.tracks import drive_of
 
     return sample_count(drive_of(model.trajectory, folder), model.sensors.rate)
 

@@ -9,7 +9,7 @@ from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.initial import Initial
 from mcsim.scenario.rules import Rules
 from mcsim.scenario.sensors import Sensors
-from mcsim.scenario.tracks import Recorded, Trajectory
+from mcsim.tracks import Trajectory
 
 RULES = Rules("rectangular", "trapezoidal")
 Rule = Annotated[str, RULES.checked(), RULES.listed()]
@@ -36,5 +36,4 @@ class PlanarScenario(CaseScenario):
 
     @property
     def files(self) -> tuple[str, ...]:
-        drives = (self.trajectory.file,) if isinstance(self.trajectory, Recorded) else ()
-        return (*drives, *self.sensors.files)
+        return (*self.trajectory.files, *self.sensors.files)

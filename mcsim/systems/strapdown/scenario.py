@@ -23,7 +23,7 @@ from mcsim.scenario.fields import (
 from mcsim.scenario.initial import Initial
 from mcsim.scenario.rules import Rules
 from mcsim.scenario.sensors import Sensors
-from mcsim.scenario.tracks import Recorded, Trajectory
+from mcsim.tracks import Trajectory
 from mcsim.units import STANDARD_GRAVITY
 
 RULES = Rules("rectangular", "forward_euler", "trapezoidal", "two_sample")
@@ -167,10 +167,8 @@ class StrapdownScenario(CaseScenario):
     @property
     def records_attitude(self) -> bool:
         """Whether roll and pitch come from the recorded track."""
-        track = self.trajectory
-        return isinstance(track, Recorded) and track.columns.has_attitude
+        return self.trajectory.has_attitude
 
     @property
     def files(self) -> tuple[str, ...]:
-        drives = (self.trajectory.file,) if isinstance(self.trajectory, Recorded) else ()
-        return (*drives, *self.sensors.files)
+        return (*self.trajectory.files, *self.sensors.files)

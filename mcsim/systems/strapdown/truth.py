@@ -25,11 +25,10 @@ from mcsim.systems.strapdown.lean import (
     refuse_long,
 )
 from mcsim.systems.strapdown.scenario import Body, Response, StrapdownScenario
-from mcsim.trajectory import drive_of
+from mcsim.tracks import drive_of
 from mcsim.trajectory.attitude import EulerAngles, euler_angles, rotation_matrix
 from mcsim.trajectory.curves import Array
 from mcsim.trajectory.drive import Drive
-from mcsim.trajectory.recorded import RecordedManoeuvre
 
 
 @dataclass(frozen=True)
@@ -122,9 +121,7 @@ def spatial_drive(model: StrapdownScenario, folder: Path) -> SpatialDrive:
     """
     drive = drive_of(model.trajectory, folder)
     body = model.body
-    if model.records_attitude:
-        assert isinstance(drive.manoeuvre, RecordedManoeuvre)
-        assert drive.manoeuvre.attitude is not None
+    if drive.manoeuvre.attitude is not None:
         roll, pitch = (recorded_lean(angle) for angle in drive.manoeuvre.attitude)
         return SpatialDrive(drive, np.eye(3), roll, pitch, body.gravity)
     return _leaning_drive(drive, body)

@@ -1,110 +1,15 @@
-"""The trajectory block: shapes of tracks, and recorded drives."""
+"""The block of a recorded drive: its file, and which column holds what."""
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Le, Len
-from pydantic import Field, model_validator
+from annotated_types import Ge, Le
+from pydantic import model_validator
 
 from mcsim.scenario.block import Block
-from mcsim.scenario.fields import (
-    Acceleration,
-    Angle,
-    Length,
-    NotNegative,
-    Positive,
-    Speed,
-    Time,
-    reject,
-)
-
-
-class _Track(Block):
-    """What every shape of track has."""
-
-    lead: Annotated[Time, NotNegative, Le(60.0)] = 0.1
-    """Duration of the straight segments before and after the manoeuvre."""
-    side_slip: Annotated[Angle, Ge(-1.6), Le(1.6)] = 0.0
-    """Course minus heading of the vehicle; its largest value for the profile `bump`."""
-    side_slip_profile: Literal["constant", "bump"] = "constant"
-    """`bump` rises and falls as a squared sine over the manoeuvre."""
-
-
-class _Motion(_Track):
-    """A shape driven at a given speed along the track."""
-
-    speed: Annotated[Speed, Ge(1e-3)]
-    """Speed along the track where the manoeuvre starts."""
-    deceleration: Acceleration = 0.0
-    """Constant deceleration during the manoeuvre; negative speeds up."""
-
-
-class Straight(_Motion):
-    """A straight run."""
-
-    shape: Literal["straight"]
-    length: Annotated[Length, Ge(1e-3)]
-    """Length of the run."""
-
-
-class LaneChange(_Motion):
-    """A lane change: half-cosine, Eq. (1) of the paper, or a quintic of continuous curvature."""
-
-    shape: Literal["half_cosine", "quintic"]
-    length: Annotated[Length, Ge(1e-3)]
-    """Distance L along the road."""
-    width: Length
-    """Displacement D across the road, positive to the left."""
-
-
-class DoubleLaneChange(_Motion):
-    """Into the other lane and back."""
-
-    shape: Literal["double_lane_change"]
-    length: Annotated[Length, Ge(1e-3)]
-    """Distance along the road of each of the two lane changes."""
-    width: Length
-    """Displacement across the road, positive to the left."""
-    gap: Annotated[Length, NotNegative] = 0.0
-    """Straight distance between the two lane changes."""
-    profile: Literal["half_cosine", "quintic"] = "quintic"
-    """Shape of each lane change."""
-
-
-class Curve(_Motion):
-    """A curve of constant radius with clothoid entry and exit."""
-
-    shape: Literal["curve"]
-    radius: Annotated[Length, Ge(1e-3)]
-    """Radius of the circular part."""
-    angle: Annotated[Angle, Ge(-1e4), Le(1e4)]
-    """Change of course over the whole curve, positive to the left."""
-    clothoid: Annotated[Length, NotNegative] = 0.0
-    """Length of each clothoid."""
-
-    @model_validator(mode="after")
-    def _clothoids_fit(self) -> Curve:
-        if self.angle == 0.0:
-            raise reject("angle must not be zero; use the shape `straight`")
-        if self.clothoid > self.radius * abs(self.angle):
-            raise reject(
-                f"the clothoids alone turn by clothoid / radius = "
-                f"{self.clothoid / self.radius:.4g} rad, more than the angle asked for; "
-                "shorten `clothoid` or enlarge `angle` or `radius`"
-            )
-        return self
-
-
-Waypoint = Annotated[tuple[Length, ...], Len(2, 2)]
-
-
-class Waypoints(_Motion):
-    """A smooth track (cubic spline) through given points."""
-
-    shape: Literal["waypoints"]
-    points: Annotated[tuple[Waypoint, ...], Len(2, 10_000)]
-    """Points [x, y]; turned so that `along` is the initial direction of movement."""
+from mcsim.scenario.fields import NotNegative, Positive, Time, reject
+from mcsim.tracks.track import TrackBlock
 
 
 class Columns(Block):
@@ -161,7 +66,7 @@ class Columns(Block):
         return self.roll is not None
 
 
-class Recorded(_Track):
+class Recorded(TrackBlock):
     """A recorded drive from a CSV file, smoothed into a consistent truth."""
 
     shape: Literal["recorded"]
@@ -183,14 +88,16 @@ class Recorded(_Track):
     duration: Annotated[Time, Positive] | None = None
     """How much of the drive to use; all of it if absent."""
 
+    @property
+    def files(self) -> tuple[str, ...]:
+        return (self.file,)
+
+    @property
+    def has_attitude(self) -> bool:
+        return self.columns.has_attitude
+
     @model_validator(mode="after")
     def _slip_is_recorded(self) -> Recorded:
         if self.side_slip != 0.0:
             raise reject("a recorded track brings its own side-slip: give a heading column instead")
         return self
-
-
-Trajectory = Annotated[
-    Straight | LaneChange | DoubleLaneChange | Curve | Waypoints | Recorded,
-    Field(discriminator="shape"),
-]

@@ -17,10 +17,10 @@ from mcsim.logs.columns import Column, said, written_column
 from mcsim.logs.csv_file import CsvFile, Numbers, open_csv, shown, since_first
 from mcsim.logs.timing import unusable
 from mcsim.logs.titles import factor_of, kind_of
-from mcsim.scenario.tracks import Columns
+from mcsim.tracks.recorded.block import Columns
+from mcsim.tracks.recorded.plausible import refuse_digits_of_a_clock, refuse_jumps
 from mcsim.trajectory.curves import Array
 from mcsim.trajectory.geodesy import local_position
-from mcsim.trajectory.plausible import refuse_digits_of_a_clock, refuse_jumps
 from mcsim.units import KINDS
 
 _KIND_OF = {

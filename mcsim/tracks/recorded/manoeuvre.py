@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_smoothing_spline
 
 from mcsim.errors import InputError
-from mcsim.scenario.tracks import Recorded
+from mcsim.tracks.recorded.block import Recorded
+from mcsim.tracks.recorded.record import FEWEST_ROWS, STANDSTILL, Record, known_rows, read_record
 from mcsim.trajectory.curves import Array
-from mcsim.trajectory.drive import Motion
-from mcsim.trajectory.record import FEWEST_ROWS, STANDSTILL, Record, known_rows, read_record
+from mcsim.trajectory.drive import Manoeuvre, Motion
 
 #: What rounding makes of a difference of time stamps, as a share of the largest one.
 _STAMP_ROUNDING = 4 * float(np.finfo(float).eps)
@@ -32,12 +32,11 @@ _REPEATED_FIX = 0.5
 _MOVING, _SURE_COURSE = 1.0, 5.0
 
 
-class RecordedManoeuvre:
-    """The smoothed drive, turned so that ``along`` is the initial direction of movement."""
+class RecordedManoeuvre(Manoeuvre):
+    """The smoothed drive, turned so that ``along`` is the initial direction of movement.
 
-    jumps: tuple[float, ...] = ()
-    #: How the file was read.
-    notes: tuple[str, ...] = ()
+    ``notes`` tell how the file was read.
+    """
 
     def __init__(self, record: Record, smoothing: float) -> None:
         self.duration = float(record.time[-1])
@@ -59,12 +58,10 @@ class RecordedManoeuvre:
         self._acceleration = tuple(v.derivative() for v in self._velocity)
         self._heading = self._heading_spline(record, smoothing)
         self._yaw_rate = self._heading.derivative()
-        #: Splines of roll and pitch, if the record holds them.
-        self.attitude = None
         if record.roll is not None and record.pitch is not None:
-            self.attitude = tuple(
-                _smooth(record.time, np.unwrap(angle), smoothing)
-                for angle in (record.roll, record.pitch)
+            self.attitude = (
+                _smooth(record.time, np.unwrap(record.roll), smoothing),
+                _smooth(record.time, np.unwrap(record.pitch), smoothing),
             )
         self._set_frame()
         ends = np.array([self.duration])
@@ -117,7 +114,7 @@ class RecordedManoeuvre:
         )
 
 
-def load_drive(shape: Recorded, folder: Path) -> RecordedManoeuvre:
+def load_manoeuvre(shape: Recorded, folder: Path) -> RecordedManoeuvre:
     """The manoeuvre of a recorded track.
 
     Raises
