@@ -113,6 +113,8 @@ _WHERE = {
     "add_rule": "mcsim.systems.own_rules",
     "algorithm": "mcsim.simulation.own_motion",
     "Block": "mcsim.scenario.block",
+    "Excitation": "mcsim.vibration.excitations",
+    "Track": "mcsim.tracks",
     "Case": "mcsim.simulation.case",
     "CaseScenario": "mcsim.scenario.case",
     "driven": "mcsim.simulation.driven",

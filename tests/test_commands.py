@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import mcsim
+from mcsim import gum
 from mcsim.adding import KINDS
 from mcsim.cli.commands import COMMANDS
 from mcsim.cli.main import exit_code
@@ -109,12 +110,8 @@ def refuse_strays(folder):
 def quick(monkeypatch):
     """Tables that take seconds, made of less."""
     monkeypatch.setattr(velocity_tables, "GROUPS", 20)
-    monkeypatch.setattr(
-        velocity_tables, "course_of_uncertainty", lambda model: _course(model, groups=20)
-    )
-
-
-_course = velocity_tables.course_of_uncertainty
+    course = gum.course_of_uncertainty
+    monkeypatch.setattr(gum, "course_of_uncertainty", lambda model: course(model, groups=20))
 
 
 @pytest.mark.parametrize("name", TABLES)

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mcsim import catalogue
-from mcsim.characterisation.bias import kalman_rmse, smooth, track_bias
-from mcsim.characterisation.process import GaussMarkov
 from mcsim.papers import Computed, PaperTable, Setting
-from mcsim.sensors import noise_processes
 from mcsim.text_table import columns
 from mcsim.units import KINDS, parse
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from mcsim.characterisation.process import GaussMarkov
+    from mcsim.sensors import noise_processes
 
 #: RMSE that Table 5.8 prints for the x axis (m/s²).
 PRINTED = {
@@ -68,6 +68,9 @@ def tracked_biases(seed: int = 1) -> Iterator[TrackedBias]:
     Correlation times and deviations are those of Table 5.7, noise densities those of Table 5.2;
     the measurement noise is ND √Fs, as the thesis has it.
     """
+    from mcsim.characterisation.bias import kalman_rmse, smooth, track_bias
+    from mcsim.characterisation.process import GaussMarkov
+
     for sensor, printed in PRINTED.items():
         quantities = _measured(sensor)
         model = GaussMarkov(
@@ -111,6 +114,8 @@ def _measured(sensor: str) -> dict[str, list[str]]:
 
 def _process(model: GaussMarkov, rng: np.random.Generator) -> noise_processes.GaussMarkov:
     """What makes the bias, from its stationary state."""
+    from mcsim.sensors import noise_processes
+
     deviation, time = np.array([model.deviation]), np.array([model.correlation_time])
     return noise_processes.GaussMarkov(deviation, time, 1.0 / RATE, rng)
 

@@ -17,9 +17,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.kernels import strapdown
 from mcsim.papers import Computed, PaperTable
-from mcsim.systems.strapdown.undisturbed import integrated
 from mcsim.text_table import columns
 from mcsim.units import KINDS, STANDARD_GRAVITY, parse
 
@@ -116,6 +114,9 @@ def simulate_at_rest(tilt: float, duration: float) -> tuple[Array, Array]:
 
     Ideal sensors at ``RATE``, the note's forward Euler recursion, a roll wrong by ``tilt`` (rad).
     """
+    from mcsim.kernels import strapdown
+    from mcsim.systems.strapdown.undisturbed import integrated
+
     n = round(duration * RATE)
     signals = np.zeros((n + 1, strapdown.Strapdown.CHANNELS))
     signals[:, 3] = STANDARD_GRAVITY

@@ -19,10 +19,6 @@ from numpy.typing import NDArray
 from mcsim import catalogue
 from mcsim.errors import InputError
 from mcsim.papers import Computed, PaperTable, Setting
-from mcsim.scenario.document import Document
-from mcsim.scenario.sensor_file import SensorFile
-from mcsim.scenario.validation import validate
-from mcsim.sensors.signal_errors import Element, SignalErrors, signal_errors
 from mcsim.text_table import columns
 from mcsim.units import (
     KINDS,
@@ -31,10 +27,11 @@ from mcsim.units import (
     parse,
     sample_deviation,
 )
-from mcsim.vibration.spectra import welch_spectrum
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from mcsim.sensors.signal_errors import SignalErrors
 
 Array = NDArray[np.float64]
 Noise = Literal["allan", "density", "data_sheet"]
@@ -118,6 +115,8 @@ def printed(name: str) -> Printed:
 
 def simulated_log(source: Printed, noise: Noise, duration: float, seed: int) -> Array:
     """A log at rest (n, axes) with the noise of one sensor, mean removed."""
+    from mcsim.sensors.signal_errors import Element
+
     errors = _errors(source, noise)
     element = Element(errors, source.rate, duration, seed)
     log = element.measure(np.zeros((round(duration * source.rate), errors.axes)))
@@ -126,6 +125,11 @@ def simulated_log(source: Printed, noise: Noise, duration: float, seed: int) -> 
 
 
 def _errors(source: Printed, noise: Noise) -> SignalErrors:
+    from mcsim.scenario.document import Document
+    from mcsim.scenario.sensor_file import SensorFile
+    from mcsim.scenario.validation import validate
+    from mcsim.sensors.signal_errors import signal_errors
+
     tree = {"accelerometer": source.name}
     block = validate(Document(tree, source.name), SensorFile).accelerometer
     assert block is not None
@@ -164,6 +168,8 @@ def _in_run(name: str, axes: int) -> dict[str, Array]:
 
 def flat_density(log: Array, rate: float) -> Array:
     """One-sided density (axes,) from the flat part of a Welch spectrum."""
+    from mcsim.vibration.spectra import welch_spectrum
+
     spectrum = welch_spectrum(log, rate)
     flat = (spectrum.frequency > _FLAT[0] * rate) & (spectrum.frequency < _FLAT[1] * rate)
     density: Array = np.sqrt(spectrum.levels[flat].mean(axis=0))

@@ -8,12 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mcsim.engine import point_key
-from mcsim.gum import course_of_uncertainty, step_budget
-from mcsim.gum.tables import budget_table
 from mcsim.papers import Computed, PaperTable
 from mcsim.papers.shipped import VELOCITY_SENSORS, velocity_sensor
-from mcsim.systems.velocity.problem import VelocityProblem
 from mcsim.text_table import frame_text
 
 if TYPE_CHECKING:
@@ -30,6 +26,9 @@ GROUPS, _ENDS = 2000, (2.5, 50.0, 97.5)
 
 def velocity_tables() -> Computed:
     """Tables 2, 3 and 4, printed and computed."""
+    from mcsim.gum import course_of_uncertainty, step_budget
+    from mcsim.gum.tables import budget_table
+
     tables: dict[str, pd.DataFrame] = {"table2": table_2()}
     for name, number in zip(VELOCITY_SENSORS, (3, 4), strict=True):
         _, model = velocity_sensor(name)
@@ -69,6 +68,10 @@ def table_2() -> pd.DataFrame:
 
 def rows_of_table_2(name: str, speed: str) -> Iterator[tuple[Any, ...]]:
     """Quantity, printed, computed, the ends of 95 % of the groups, and what kinds these are."""
+    from mcsim.engine import point_key
+    from mcsim.gum import course_of_uncertainty
+    from mcsim.systems.velocity.problem import VelocityProblem
+
     largest, of_mean, uc, scatter = _TABLE_2[name]
     nothing = math.nan
     for label, errors in (("time stamps err", "stamps"), ("intervals err", "independent")):
