@@ -85,8 +85,7 @@ def simulated_linearity(path: Path, model: VelocityScenario, seed: int) -> Linea
         scale,
         cubic_of(shaker.nonlinearity, shaker.full_scale, scale, reference),
         float(raw_noise(model)[0]),
-        model.sensor.rate,
-        shaker.duration,
+        np.arange(round(shaker.duration * model.sensor.rate)) / model.sensor.rate,
         shaker.series,
         np.random.default_rng(seed),
     )
