@@ -170,6 +170,22 @@ def test_interrupted_runs_exit_with_130_and_go_on_later(scenario_file, tmp_path)
     assert [p.name[:12] for p in (out / "case").iterdir()] == [".checkpoint-"]
 
 
+def test_an_interruption_while_code_is_made_has_the_same_exit_code(tmp_path):
+    """CPython ends by a signal after an interruption inside `exec`, even if it was handled."""
+    (tmp_path / "interrupted.py").write_text(
+        "import click, mcsim\n"
+        "from mcsim.cli import main\n"
+        "made = click.Command('made', callback=lambda: exec('raise KeyboardInterrupt'))\n"
+        "mcsim.add(mcsim.Command('made', made))\n"
+        "main(['made'])\n"
+    )
+    command = [sys.executable, "-m", "interrupted"]
+    paths = os.pathsep.join([str(tmp_path), str(Path(mcsim.__file__).parent.parent)])
+    environment = {**os.environ, "PYTHONPATH": paths}
+    result = subprocess.run(command, capture_output=True, check=False, env=environment)
+    assert result.returncode == 130, result.stderr
+
+
 def test_validate_checks_without_running(scenario_file, tmp_path, capsys):
     good = scenario_file(BASE_YAML, "good.yaml")
     bad = scenario_file(BASE_YAML.replace("20 m/s", "20"), "bad.yaml")

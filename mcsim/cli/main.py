@@ -26,6 +26,10 @@ EXIT_DONE, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_PARTIAL, EXIT_INTERRUPTED = 0, 1, 2
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
     code = exit_code(arguments)
+    if code == EXIT_INTERRUPTED:
+        # An interruption inside ``exec``, as when a data class is made, is remembered although it
+        # was handled, and the interpreter would end by SIGINT; the next ``exec`` forgets it.
+        exec("")
     # The interpreter would look through all of numba's objects before it goes.
     gc.freeze()
     sys.exit(code)
