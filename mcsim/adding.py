@@ -11,6 +11,7 @@ from mcsim.registry import Registry
 #: For each kind of part where its type and its list are: imported when a part may be one of it.
 KINDS: dict[str, tuple[str, str]] = {
     "Case": ("mcsim.simulation.case:Case", "mcsim.systems:SYSTEMS"),
+    "SensorTerm": ("mcsim.sensor_terms.term:SensorTerm", "mcsim.sensor_terms:TERMS"),
     "ErrorQuantity": (
         "mcsim.scenario.error_quantities:ErrorQuantity",
         "mcsim.scenario.error_quantities:ERROR_QUANTITIES",

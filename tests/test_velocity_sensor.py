@@ -15,12 +15,12 @@ from mcsim.gum import course_of_uncertainty
 from mcsim.gum.tables import comparison_table
 from mcsim.gum.words import comparison_words
 from mcsim.kernels.velocity_measured import REST_NOISE, constant_rows
-from mcsim.sensors.coloured import processes_of
 from mcsim.simulation.nets import net_normals
 from mcsim.systems import check_point, problem_of
 from mcsim.systems.velocity.measured import GroupSamples, ProcessSums
 from mcsim.systems.velocity.scatter import mean_scatter, mean_square_scatter, scatter_quantile
 from mcsim.units import STANDARD_GRAVITY
+from tests.conftest import processes_of
 from tests.reference import velocity_numpy, velocity_sensor_numpy
 from tests.reference.random_numpy import white_noise
 from tests.reference.velocity_sensor_numpy import Terms

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from mcsim.characterisation.process import GaussMarkov
-    from mcsim.sensors import noise_processes
 
 #: RMSE that Table 5.8 prints for the x axis (m/s²).
 PRINTED = {
@@ -70,6 +69,8 @@ def tracked_biases(seed: int = 1) -> Iterator[TrackedBias]:
     """
     from mcsim.characterisation.bias import kalman_rmse, smooth, track_bias
     from mcsim.characterisation.process import GaussMarkov
+    from mcsim.sensor_terms.gauss_markov import drift
+    from mcsim.sensor_terms.mechanisms.process import process_noise, processes_of
 
     for sensor, printed in PRINTED.items():
         quantities = _measured(sensor)
@@ -81,7 +82,10 @@ def tracked_biases(seed: int = 1) -> Iterator[TrackedBias]:
         noise = density * math.sqrt(RATE)
         rate = parse(quantities["rate"][0], KINDS["frequency"])
         rng = np.random.default_rng(seed)
-        bias = _process(model, rng).take(round(DURATION * RATE))[:, 0]
+        drifts = {"bias": drift(model.deviation, model.correlation_time)}
+        bias = process_noise(processes_of(drifts, 1.0 / RATE, DURATION), rng)(
+            round(DURATION * RATE)
+        )
         log = bias + noise * rng.standard_normal(len(bias))
         estimate = track_bias(log, RATE, model, noise)
         average = smooth(log, RATE, AVERAGE)
@@ -110,14 +114,6 @@ def _measured(sensor: str) -> dict[str, list[str]]:
                 for key, value in record.quantities.items()
             }
     return found
-
-
-def _process(model: GaussMarkov, rng: np.random.Generator) -> noise_processes.GaussMarkov:
-    """What makes the bias, from its stationary state."""
-    from mcsim.sensors import noise_processes
-
-    deviation, time = np.array([model.deviation]), np.array([model.correlation_time])
-    return noise_processes.GaussMarkov(deviation, time, 1.0 / RATE, rng)
 
 
 def _rms(values: np.ndarray) -> float:

@@ -31,7 +31,8 @@ from mcsim.units import (
 if TYPE_CHECKING:
     import pandas as pd
 
-    from mcsim.sensors.signal_errors import SignalErrors
+    from mcsim.sensor_terms.mechanisms.process import Processes
+    from mcsim.sensors.error_model import ChannelErrors
 
 Array = NDArray[np.float64]
 Noise = Literal["allan", "density", "data_sheet"]
@@ -115,40 +116,66 @@ def printed(name: str) -> Printed:
 
 def simulated_log(source: Printed, noise: Noise, duration: float, seed: int) -> Array:
     """A log at rest (n, axes) with the noise of one sensor, mean removed."""
-    from mcsim.sensors.signal_errors import Element
+    from mcsim.sensors.simulated_log import SimulatedLog
 
-    errors = _errors(source, noise)
-    element = Element(errors, source.rate, duration, seed)
-    log = element.measure(np.zeros((round(duration * source.rate), errors.axes)))
+    errors = _errors(source, noise, duration)
+    log = SimulatedLog(errors, seed).measure(
+        np.zeros((round(duration * source.rate), len(source.axes)))
+    )
     centred: Array = log - log.mean(axis=0)
     return centred
 
 
-def _errors(source: Printed, noise: Noise) -> SignalErrors:
+def _errors(source: Printed, noise: Noise, duration: float) -> ChannelErrors:
+    """What the catalogue says of a sensor, with the noise that is asked for."""
     from mcsim.scenario.document import Document
     from mcsim.scenario.sensor_file import SensorFile
     from mcsim.scenario.validation import validate
-    from mcsim.sensors.signal_errors import signal_errors
+    from mcsim.sensor_terms.channel import ACCELEROMETER, Channel
+    from mcsim.sensors.error_model import element_errors
 
-    tree = {"accelerometer": source.name}
+    tree = {ACCELEROMETER: source.name}
     block = validate(Document(tree, source.name), SensorFile).accelerometer
     assert block is not None
     axes = len(source.axes)
-    errors = signal_errors(block, axes)
-    in_run = _in_run(source.name, axes)
-    density = errors.noise_density
+    channels = [Channel(ACCELEROMETER, axis) for axis in range(axes)]
+    errors = element_errors({ACCELEROMETER: block}, source.rate, channels, duration)
     if noise == "density":
-        density = source.density
+        errors = _with_density(errors, source.density, source.rate)
     elif noise == "allan" and np.isfinite(source.random_walk).all():
         density = density_from_random_walk(1.0) * source.random_walk
-    none = np.zeros(axes)
+        errors = _with_density(errors, density, source.rate)
     return replace(
         errors,
-        noise_density=density,
-        bias_instability=in_run.get("bias_instability", none),
-        random_walk=in_run.get("acceleration_random_walk", none),
+        processes=_in_run_noise(source, duration),
         # At rest the low-pass has nothing to pass on.
-        bandwidth=np.full(axes, math.inf),
+        bandwidths=(math.inf,) * axes,
+    )
+
+
+def _with_density(errors: ChannelErrors, density: Array, rate: float) -> ChannelErrors:
+    return replace(errors, white=sample_deviation(1.0, rate) * density)
+
+
+def _in_run_noise(source: Printed, duration: float) -> tuple[Processes, ...]:
+    """Flicker noise and random walk of each axis, as the thesis measured them."""
+    from mcsim.sensor_terms import bias_instability, random_walk
+    from mcsim.sensor_terms.mechanisms.process import processes_of
+
+    axes = len(source.axes)
+    in_run, none = _in_run(source.name, axes), np.zeros(axes)
+    flicker = in_run.get("bias_instability", none)
+    walk = in_run.get("acceleration_random_walk", none)
+    return tuple(
+        processes_of(
+            {
+                bias_instability.TERM.name: bias_instability.flicker(float(b)),
+                random_walk.TERM.name: random_walk.walk(float(k)),
+            },
+            1.0 / source.rate,
+            duration,
+        )
+        for b, k in zip(flicker, walk, strict=True)
     )
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.sensors.coloured import Processes
+from mcsim.sensor_terms.mechanisms.process import Processes
 from mcsim.sensors.measurement import Measurement
 from mcsim.simulation.problem import LinearModel
 from mcsim.systems.velocity.linear import VelocityWeights

@@ -174,10 +174,7 @@ class VelocityProblem:
             self.steps,
             {
                 f"accelerometer {source}": deviations
-                for source, deviations in (
-                    ("miscalibration", self.sensor_errors.miscalibration),
-                    ("turn-on bias", self.sensor_errors.turn_on_bias),
-                )
+                for source, deviations in self.sensor_errors.constants.items()
                 if np.any(deviations)
             },
         )
