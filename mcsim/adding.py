@@ -17,6 +17,10 @@ KINDS: dict[str, tuple[str, str]] = {
         "mcsim.scenario.error_quantities:ERROR_QUANTITIES",
     ),
     "Statistic": ("mcsim.statistics:Statistic", "mcsim.statistics:STATISTICS"),
+    "Picture": ("mcsim.figures:Picture", "mcsim.figures:PICTURES"),
+    "PaperTable": ("mcsim.papers:PaperTable", "mcsim.papers:TABLES"),
+    "PaperFigure": ("mcsim.papers:PaperFigure", "mcsim.papers:FIGURES"),
+    "Command": ("mcsim.cli.command:Command", "mcsim.cli.commands:COMMANDS"),
     "Track": ("mcsim.tracks:Track", "mcsim.tracks:TRACKS"),
     "Excitation": (
         "mcsim.vibration.excitations:Excitation",

@@ -13,12 +13,11 @@ from GTC import ureal
 
 import mcsim
 from mcsim import InputError, Scenario
-from mcsim.cli import velocity_paper
-from mcsim.cli.budget import write_budget
 from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty, step_budget
 from mcsim.gum.tables import BUDGET_COLUMNS, budget_table, comparison_table
 from mcsim.gum.words import comparison_words
+from mcsim.papers import velocity_tables
 from mcsim.results import at_the_end
 from mcsim.systems import problem_of
 from mcsim.systems.velocity.linear import accelerations
@@ -439,7 +438,7 @@ def test_a_run_without_uncertainty_says_so(tmp_path):
     }
     words, _ = words_of(**zero)
     assert words == "Nothing disturbs this run: all uncertainties are zero."
-    write_budget(scenario(**zero), tmp_path)
+    mcsim.budget(scenario(**zero)).write(tmp_path)
     assert (tmp_path / "comparison.png").exists()
 
 
@@ -550,8 +549,8 @@ def test_extreme_but_legal_numbers_stay_finite(overrides):
 
 def test_table_2_sets_like_beside_like(monkeypatch):
     """What was measured once stands beside the distribution of the same quantity."""
-    monkeypatch.setattr(velocity_paper, "_GROUPS", 400)
-    rows = list(velocity_paper._rows_of_table_2("a1", "0.4 m/s"))
+    monkeypatch.setattr(velocity_tables, "GROUPS", 400)
+    rows = list(velocity_tables.rows_of_table_2("a1", "0.4 m/s"))
     by_name = {row[0]: row for row in rows}
     p = problem(sensor__time_errors="stamps")
     ends = p.velocities(7, 0, 400)[-1] - p.truth[-1]

@@ -9,7 +9,7 @@ from scipy.stats import chi2, ks_2samp
 
 import mcsim
 from mcsim import InputError, Scenario
-from mcsim.cli.tables import summary
+from mcsim.cli.summary import summary
 from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty
 from mcsim.gum.tables import comparison_table

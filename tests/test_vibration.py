@@ -14,8 +14,9 @@ from scipy.integrate import cumulative_simpson
 from scipy.signal import butter, chirp, sosfiltfilt
 
 from mcsim.cli.main import exit_code
-from mcsim.cli.paper import shipped_scenarios
 from mcsim.errors import InputError
+from mcsim.papers.sensor_deviations import printed, remarks, sensor_table
+from mcsim.papers.shipped import shipped_scenarios
 from mcsim.scenario.document import parse_document
 from mcsim.scenario.fields import Acceleration
 from mcsim.scenario.validation import validate
@@ -36,7 +37,6 @@ from mcsim.vibration.scenario import (
     read_vibration,
     vibration_schema,
 )
-from mcsim.vibration.sensor_tables import printed, remarks, sensor_table
 from mcsim.vibration.simulation import AXES, errors_of, oversampling, simulate
 from mcsim.vibration.spectra import (
     amplitude_spectrum,
@@ -397,7 +397,7 @@ def test_a_scenario_becomes_tables_and_a_picture(tmp_path, capsys):
     folder = tmp_path / "engine"
     assert sorted(p.name for p in folder.iterdir()) == [
         *("density.csv", "figure.png", "figure.svg", "log.csv", "orders.csv"),
-        *("spectrum.csv", "table.csv"),
+        *("provenance.json", "spectrum.csv", "table.csv"),
     ]
     orders = pd.read_csv(folder / "orders.csv").query("channel == 'z'")
     # White noise of 300 µg/√Hz makes an amplitude's deviation of 1.3e-3 m/s² in 20 s.
