@@ -50,7 +50,9 @@ Public names: ``Scenario``, ``run``, ``Results``, ``load``, ``add_rule``, and th
 ``calibrate``, ``linearity``, ``convert``, ``convert_quantity``, ``analyse_vibration``, ``table``,
 ``validate``, ``schema``.  Most return data classes with tables (pandas) and ``write(folder)``,
 which writes them with pictures and provenance.  Parts of one's own: ``Picture``, ``PaperTable``
-with ``Computed`` and ``Setting``, ``PaperFigure``, ``Command``; ``Report`` writes a folder.
+with ``Computed`` and ``Setting``, ``PaperFigure``, ``Command``; ``Report`` writes a folder;
+``Dialect`` with ``Assumptions``, ``Description``, ``Reading`` and ``Term``; ``LogFormat`` with
+``log_columns``.
 """
 
 from __future__ import annotations
@@ -70,7 +72,9 @@ if TYPE_CHECKING:
     from mcsim.api.scenario_files import schema, validate
     from mcsim.api.vibration import analyse_vibration
     from mcsim.cli.command import Command
+    from mcsim.dialects import Assumptions, Description, Dialect, Reading, Term
     from mcsim.figures import Picture
+    from mcsim.logs import LogFormat, log_columns
     from mcsim.papers import Computed, PaperFigure, PaperTable, Setting
     from mcsim.papers.table import table
     from mcsim.report import Report
@@ -80,17 +84,23 @@ if TYPE_CHECKING:
     from mcsim.systems.own_rules import add_rule
 
 __all__ = [
+    "Assumptions",
     "Command",
     "Computed",
+    "Description",
+    "Dialect",
     "InputError",
+    "LogFormat",
     "McsimError",
     "PaperFigure",
     "PaperTable",
     "Picture",
+    "Reading",
     "Report",
     "Results",
     "Scenario",
     "Setting",
+    "Term",
     "__version__",
     "add_rule",
     "analyse_vibration",
@@ -101,6 +111,7 @@ __all__ = [
     "convert_quantity",
     "linearity",
     "load",
+    "log_columns",
     "read_parameters",
     "run",
     "schema",
@@ -142,6 +153,13 @@ _WHERE = {
     "table": "mcsim.papers.table",
     "validate": "mcsim.api.scenario_files",
     "Command": "mcsim.cli.command",
+    "Assumptions": "mcsim.dialects",
+    "Description": "mcsim.dialects",
+    "Dialect": "mcsim.dialects",
+    "Reading": "mcsim.dialects",
+    "Term": "mcsim.dialects",
+    "LogFormat": "mcsim.logs",
+    "log_columns": "mcsim.logs",
     "Computed": "mcsim.papers",
     "PaperFigure": "mcsim.papers",
     "PaperTable": "mcsim.papers",

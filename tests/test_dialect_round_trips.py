@@ -10,11 +10,11 @@ from scipy.optimize import minimize_scalar
 from mcsim.cli.main import exit_code
 from mcsim.dialects import (
     DIALECTS,
-    READABLE,
-    WRITABLE,
     Assumptions,
     Description,
     read_sensor,
+    readable,
+    writable,
     write_sensor,
 )
 from mcsim.dialects.bias import FLOOR, PEAK
@@ -111,8 +111,8 @@ def check(sensor, there):
     return away
 
 
-@pytest.mark.parametrize("home", WRITABLE)
-@pytest.mark.parametrize("there", WRITABLE)
+@pytest.mark.parametrize("home", writable())
+@pytest.mark.parametrize("there", writable())
 def test_every_dialect_to_every_other_and_back(home, there):
     at_home, text = travel(full_sensor(), home)
     assert check(full_sensor(), home) == at_home
@@ -132,7 +132,7 @@ def same_all(first, second):
     return set(first) == set(second) and all(same(first[key], second[key]) for key in first)
 
 
-@pytest.mark.parametrize("there", WRITABLE)
+@pytest.mark.parametrize("there", writable())
 def test_random_sensors_arrive_whole_or_are_refused(there):
     draw = random.Random(8)
     arrived, reasons = 0, []
@@ -152,10 +152,10 @@ def test_random_sensors_arrive_whole_or_are_refused(there):
 
 
 def test_the_table_lists_what_can_be_read_and_written():
-    assert set(READABLE) | set(WRITABLE) == set(DIALECTS)
-    for name in READABLE:
+    assert set(readable()) | set(writable()) == set(DIALECTS)
+    for name in readable():
         assert DIALECTS[name].recognises is not None
-    for name in set(READABLE) & set(WRITABLE):
+    for name in set(readable()) & set(writable()):
         text = write_sensor(full_sensor(), name, ANSWERS)
         recognised = [d.name for d in DIALECTS.values() if d.recognises and d.recognises(text)]
         assert recognised == [name]

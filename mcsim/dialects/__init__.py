@@ -13,27 +13,29 @@ from mcsim.dialects.description import Assumptions, Description, Reading, descri
 from mcsim.dialects.dialect import Dialect
 from mcsim.dialects.registry import (
     DIALECTS,
-    ENDINGS,
-    READABLE,
-    WRITABLE,
+    endings,
     read_file,
     read_sensor,
+    readable,
     recognise,
+    writable,
     write_sensor,
 )
+from mcsim.dialects.terms import Term
 
 __all__ = [
     "DIALECTS",
-    "ENDINGS",
-    "READABLE",
-    "WRITABLE",
     "Assumptions",
     "Description",
     "Dialect",
     "Reading",
+    "Term",
     "describe_file",
+    "endings",
     "read_file",
     "read_sensor",
+    "readable",
     "recognise",
+    "writable",
     "write_sensor",
 ]
