@@ -51,8 +51,8 @@ Public names: ``Scenario``, ``run``, ``Results``, ``load``, ``add_rule``, and th
 ``validate``, ``schema``.  Most return data classes with tables (pandas) and ``write(folder)``,
 which writes them with pictures and provenance.  Parts of one's own: ``Picture``, ``PaperTable``
 with ``Computed`` and ``Setting``, ``PaperFigure``, ``Command``; ``Report`` writes a folder;
-``Dialect`` with ``Assumptions``, ``Description``, ``Reading`` and ``Term``; ``LogFormat`` with
-``log_columns``.
+``Dialect`` with ``Assumptions``, ``Description``, ``Reading``, ``Term``, ``two_sided`` and
+``without_words``; ``LogFormat`` with ``log_columns``.
 """
 
 from __future__ import annotations
@@ -72,7 +72,15 @@ if TYPE_CHECKING:
     from mcsim.api.scenario_files import schema, validate
     from mcsim.api.vibration import analyse_vibration
     from mcsim.cli.command import Command
-    from mcsim.dialects import Assumptions, Description, Dialect, Reading, Term
+    from mcsim.dialects import (
+        Assumptions,
+        Description,
+        Dialect,
+        Reading,
+        Term,
+        two_sided,
+        without_words,
+    )
     from mcsim.figures import Picture
     from mcsim.logs import LogFormat, log_columns
     from mcsim.papers import Computed, PaperFigure, PaperTable, Setting
@@ -116,7 +124,9 @@ __all__ = [
     "run",
     "schema",
     "table",
+    "two_sided",
     "validate",
+    "without_words",
 ]
 
 _WHERE = {
@@ -158,6 +168,8 @@ _WHERE = {
     "Dialect": "mcsim.dialects",
     "Reading": "mcsim.dialects",
     "Term": "mcsim.dialects",
+    "two_sided": "mcsim.dialects",
+    "without_words": "mcsim.dialects",
     "LogFormat": "mcsim.logs",
     "log_columns": "mcsim.logs",
     "Computed": "mcsim.papers",

@@ -9,8 +9,9 @@ was established from.  What a dialect leaves open is asked, never guessed; what 
 does not understand is named, never passed over.
 """
 
-from mcsim.dialects.description import Assumptions, Description, Reading, describe_file
+from mcsim.dialects.description import Assumptions, Description, Reading, describe_file, two_sided
 from mcsim.dialects.dialect import Dialect
+from mcsim.dialects.foreign import without_words
 from mcsim.dialects.registry import (
     DIALECTS,
     endings,
@@ -36,6 +37,8 @@ __all__ = [
     "read_sensor",
     "readable",
     "recognise",
+    "two_sided",
+    "without_words",
     "writable",
     "write_sensor",
 ]

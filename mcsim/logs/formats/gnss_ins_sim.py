@@ -30,11 +30,14 @@ def table(folder: Path, options: ReadOptions) -> Table:
     InputError
         A file in it is at fault, or they differ in length.
     """
+    parts = _parts(folder)
+    if not parts:
+        raise InputError(f"{folder}: holds neither {' nor '.join(_SENSORS)}")
     values: dict[str, Array] = {}
     notes: list[str] = []
     stated: dict[str, tuple[str, float]] = {}
     matched: list[set[str]] = []
-    for part in _parts(folder):
+    for part in parts:
         found, unmatched = read_part(open_csv(part), options.columns, options.units)
         matched.append(set(unmatched))
         values |= found.values
