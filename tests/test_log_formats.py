@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import mcsim
+from mcsim.calibration.six_positions import POSITIONS, TRUE
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
 from mcsim.logs import LOG_FORMATS, LogFormat, log_columns, open_log, read_log
@@ -202,6 +203,22 @@ def test_a_drive_of_ones_own_format(own):
         Path(f"{ending}.yaml").write_text(DRIVE.replace("ENDING", ending))
         assert own("run", f"{ending}.yaml", "--no-figures", "--output", "out") == 0
     same("out/jsonl/table.csv", "out/csv/table.csv")
+
+
+def test_a_bench_test_of_ones_own_format(own, capsys):
+    means = 1.02 * TRUE + [0.01, -0.02, 0.03]
+    rows = [dict(zip(("position", *"xyz"), (p, *m), strict=True)) for p, m in zip(
+        POSITIONS, means.tolist(), strict=True)]  # fmt: skip
+    units = {"position": "", "x": "g", "y": "g", "z": "g"}
+    Path("test.jsonl").write_text("\n".join(map(json.dumps, [units, *rows])) + "\n")
+    lines = ["position,x [g],y [g],z [g]", *(",".join(map(str, row.values())) for row in rows)]
+    Path("test.csv").write_text("\n".join(lines) + "\n")
+    said = []
+    for file in ("test.csv", "test.jsonl"):
+        assert own("calibrate", file) == 0
+        said.append(capsys.readouterr().out.replace(file, "FILE"))
+    assert said[0] == said[1]
+    assert "1.02" in said[0]
 
 
 def test_a_damaged_file_of_ones_own_format(own, capsys):

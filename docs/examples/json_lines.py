@@ -16,8 +16,9 @@ def columns(path, options):
     """Whatever is wrong with the file may be raised as it comes: it becomes one message."""
     with path.open(encoding="utf-8") as lines:
         units, *rows = map(json.loads, lines)
-    titles = {f"{name} [{unit}]": name for name, unit in units.items()}
-    return mcsim.log_columns(path, {t: [row[name] for row in rows] for t, name in titles.items()})
+    values = {name: [row[name] for row in rows] for name in units}
+    titles = {name: f"{name} [{unit}]" if unit else name for name, unit in units.items()}
+    return mcsim.log_columns(path, {titles[name]: held for name, held in values.items()})
 
 
 mcsim.add(
