@@ -17,9 +17,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from mcsim.kernels.adjoint import MOST_VARIED, adjoint
-from mcsim.kernels.compilation import apart, scalar
-from mcsim.kernels.frame import simulate
+from mcsim.kernels.adjoint import MOST_VARIED
+from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import GROUP, LANES
 from mcsim.kernels.parts import loader, made, of, store, take
 from mcsim.kernels.system import Step, add_linear, begin, finish, keep, record, remembers, rows_of
@@ -49,8 +48,6 @@ def system_of(
         "STATE": len(state._fields),
         "START": staticmethod(scalar(start)),
         "END": staticmethod(scalar(end)),
-        "SIMULATE": staticmethod(apart(simulate, name)),
-        "ADJOINT": staticmethod(apart(adjoint, name)),
         "__slots__": (),
         "__module__": __name__,
     }

@@ -18,18 +18,21 @@ and from the tuples that scalar functions work on.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload
 
-from mcsim.kernels.compilation import INLINED
+from mcsim.kernels.compilation import INLINED, apart, file_of
 from mcsim.kernels.lanes import LANES
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _Maker = Callable[[type[Any]], Callable[..., Any]]
 _TABLES: dict[Callable[..., Any], dict[type, _Maker]] = {}
+_FILES: dict[type, set[Path]] = {}
 
 
 def part(function: _Function) -> _Function:
@@ -58,6 +61,7 @@ def of(function: Callable[..., Any], system: type) -> Callable[[_Function], _Fun
 
     def add(implementation: _Function) -> _Function:
         _TABLES[function][system] = lambda own: implementation
+        _FILES.setdefault(system, set()).add(file_of(implementation))
         return implementation
 
     return add
@@ -68,9 +72,20 @@ def made(function: Callable[..., Any], system: type = object) -> Callable[[_Make
 
     def add(maker: _Maker) -> _Maker:
         _TABLES[function][system] = maker
+        _FILES.setdefault(system, set()).add(file_of(maker))
         return maker
 
     return add
+
+
+@cache
+def kernel_of(compiled: Any, system: type) -> Any:
+    """A kernel of the frame for one system, kept in a file of its own.
+
+    So an edit of a system's source leaves what is compiled for others as it is.
+    """
+    files = {file for base in system.__mro__ for file in _FILES.get(base, ())}
+    return apart(compiled, system.__name__, *files)
 
 
 def class_of(system: Any) -> type:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mcsim.kernels.adjoint import adjoint
 from mcsim.kernels.frame import simulate
+from mcsim.kernels.parts import kernel_of
 from mcsim.kernels.system import Results, Sensors
 from mcsim.kernels.system import Weights as LinearWeights
 from mcsim.sensors.layout import no_terms
@@ -28,7 +29,7 @@ def adjoint_weights(system: Any, signals: Array) -> tuple[Array, Array]:
     constants = np.zeros((rows, system.CONSTANTS))
     sensors = Sensors(signals, np.zeros(channels), no_terms(channels))
     unit = system._replace(deviations=type(system.deviations)(*[1.0] * len(system.deviations)))
-    kernel = getattr(system, "ADJOINT", adjoint)
+    kernel = kernel_of(adjoint, type(system))
     kernel(unit, sensors, samples, constants, np.zeros((len(signals), system.STATE)))
     return samples, constants
 
@@ -54,7 +55,7 @@ def run(
     """
     errors = np.empty((system.ERRORS, count))
     linear = np.empty((len(system.LINEAR), 0 if weights is None else count))
-    kernel = getattr(system, "SIMULATE", simulate)
+    kernel = kernel_of(simulate, type(system))
     kernel(
         system,
         np.uint64(key),
