@@ -148,6 +148,7 @@ _WHERE = {
     "Picture": "mcsim.figures",
     "Report": "mcsim.report",
     "Setting": "mcsim.papers",
+    "Statistic": "mcsim.statistics",
 }
 
 

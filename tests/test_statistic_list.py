@@ -7,7 +7,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from mcsim.cli.tables import summary
+from mcsim.cli.summary import summary
 from scipy import stats
 
 from mcsim import Scenario, run
