@@ -46,7 +46,11 @@ Conventions (the whole package keeps them)
   its index: not on threads, blocks, order, or other points.
 
 Public names: ``Scenario``, ``run``, ``Results``, ``load``, ``add_rule``, and the exceptions of
-``mcsim.errors``.
+``mcsim.errors``.  What the commands do: ``budget``, ``characterise``, ``read_parameters``,
+``calibrate``, ``linearity``, ``convert``, ``convert_quantity``, ``analyse_vibration``, ``table``,
+``validate``, ``schema``.  Most return data classes with tables (pandas) and ``write(folder)``,
+which writes them with pictures and provenance.  Parts of one's own: ``Picture``, ``PaperTable``
+with ``Computed`` and ``Setting``, ``PaperFigure``, ``Command``; ``Report`` writes a folder.
 """
 
 from __future__ import annotations
@@ -57,21 +61,51 @@ from mcsim.errors import InputError, McsimError
 from mcsim.version import __version__
 
 if TYPE_CHECKING:
-    from mcsim.api import run
+    from mcsim.api.budget import budget
+    from mcsim.api.calibrate import calibrate
+    from mcsim.api.characterise import characterise
+    from mcsim.api.convert import convert, convert_quantity, read_parameters
+    from mcsim.api.linearity import linearity
+    from mcsim.api.run import run
+    from mcsim.api.scenario_files import schema, validate
+    from mcsim.api.vibration import analyse_vibration
+    from mcsim.cli.command import Command
+    from mcsim.figures import Picture
+    from mcsim.papers import Computed, PaperFigure, PaperTable, Setting
+    from mcsim.papers.table import table
+    from mcsim.report import Report
     from mcsim.results import Results
     from mcsim.scenario_file import Scenario
     from mcsim.store import load
     from mcsim.systems.own_rules import add_rule
 
 __all__ = [
+    "Command",
+    "Computed",
     "InputError",
     "McsimError",
+    "PaperFigure",
+    "PaperTable",
+    "Picture",
+    "Report",
     "Results",
     "Scenario",
+    "Setting",
     "__version__",
     "add_rule",
+    "analyse_vibration",
+    "budget",
+    "calibrate",
+    "characterise",
+    "convert",
+    "convert_quantity",
+    "linearity",
     "load",
+    "read_parameters",
     "run",
+    "schema",
+    "table",
+    "validate",
 ]
 
 _WHERE = {
@@ -80,6 +114,8 @@ _WHERE = {
     "algorithm": "mcsim.simulation.own_motion",
     "along": "mcsim.tracks",
     "Block": "mcsim.scenario.block",
+    "Excitation": "mcsim.vibration.excitations",
+    "Track": "mcsim.tracks",
     "Case": "mcsim.simulation.case",
     "CaseScenario": "mcsim.scenario.case",
     "driven": "mcsim.simulation.driven",
@@ -90,13 +126,33 @@ _WHERE = {
     "samples_of": "mcsim.simulation.driven",
     "Sensors": "mcsim.scenario.sensors",
     "Statistic": "mcsim.statistics",
-    "Track": "mcsim.tracks",
     "TrackBlock": "mcsim.tracks",
     "Trajectory": "mcsim.tracks",
+    "SensorKey": "mcsim.sensor_terms.term",
+    "SensorTerm": "mcsim.sensor_terms.term",
+    "mechanisms": "mcsim.sensor_terms",
     "Results": "mcsim.results",
     "Scenario": "mcsim.scenario_file",
     "load": "mcsim.store",
-    "run": "mcsim.api",
+    "run": "mcsim.api.run",
+    "analyse_vibration": "mcsim.api.vibration",
+    "budget": "mcsim.api.budget",
+    "calibrate": "mcsim.api.calibrate",
+    "characterise": "mcsim.api.characterise",
+    "convert": "mcsim.api.convert",
+    "convert_quantity": "mcsim.api.convert",
+    "linearity": "mcsim.api.linearity",
+    "read_parameters": "mcsim.api.convert",
+    "schema": "mcsim.api.scenario_files",
+    "table": "mcsim.papers.table",
+    "validate": "mcsim.api.scenario_files",
+    "Command": "mcsim.cli.command",
+    "Computed": "mcsim.papers",
+    "PaperFigure": "mcsim.papers",
+    "PaperTable": "mcsim.papers",
+    "Picture": "mcsim.figures",
+    "Report": "mcsim.report",
+    "Setting": "mcsim.papers",
 }
 
 

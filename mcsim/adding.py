@@ -11,11 +11,16 @@ from mcsim.registry import Registry
 #: For each kind of part where its type and its list are: imported when a part may be one of it.
 KINDS: dict[str, tuple[str, str]] = {
     "Case": ("mcsim.simulation.case:Case", "mcsim.systems:SYSTEMS"),
+    "SensorTerm": ("mcsim.sensor_terms.term:SensorTerm", "mcsim.sensor_terms:TERMS"),
     "ErrorQuantity": (
         "mcsim.scenario.error_quantities:ErrorQuantity",
         "mcsim.scenario.error_quantities:ERROR_QUANTITIES",
     ),
     "Statistic": ("mcsim.statistics:Statistic", "mcsim.statistics:STATISTICS"),
+    "Picture": ("mcsim.figures:Picture", "mcsim.figures:PICTURES"),
+    "PaperTable": ("mcsim.papers:PaperTable", "mcsim.papers:TABLES"),
+    "PaperFigure": ("mcsim.papers:PaperFigure", "mcsim.papers:FIGURES"),
+    "Command": ("mcsim.cli.command:Command", "mcsim.cli.commands:COMMANDS"),
     "Track": ("mcsim.tracks:Track", "mcsim.tracks:TRACKS"),
     "Excitation": (
         "mcsim.vibration.excitations:Excitation",

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import platform
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import UTC, datetime
-from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +13,7 @@ from mcsim.engine import PointResult
 from mcsim.errors import InputError
 from mcsim.memory import check_memory
 from mcsim.over_time import TIME, over_time
+from mcsim.provenance import reproducible, time_and_machine
 from mcsim.scenario import UNITS, CaseScenario, ErrorRow
 from mcsim.scenario_file import Point, Scenario
 from mcsim.scenario_file.effect import without_effect
@@ -32,8 +29,6 @@ if TYPE_CHECKING:
 
 #: Columns of the table after those of the swept paths.
 COLUMNS = ("error", "statistic", "value", "ci_low", "ci_high", "unit", "realizations", "note")
-#: Whether results say nothing of when and where they were made.
-_REPRODUCIBLE = "SOURCE_DATE_EPOCH" in os.environ
 _MOST_HISTORY_ROWS = 20_000_000
 #: Smaller shares of the variance are rounding.
 _LEAST_SHARE = 1e-20
@@ -243,36 +238,17 @@ def _provenance(
             for index, reason in sweep.failures.items()
         ],
         "remarks": remarks,
-        **({} if _REPRODUCIBLE else {"seconds": round(seconds, 3)}),
+        **({} if reproducible() else {"seconds": round(seconds, 3)}),
     }
 
 
 def circumstances(scenario: Scenario) -> dict[str, Any]:
-    """What was computed, with what, and when: the part of the provenance that all results have.
-
-    Where ``SOURCE_DATE_EPOCH`` is set, the convention of reproducible builds, it says nothing of
-    time and machine, so that the same numbers make the same files.
-    """
+    """What was computed, with what, and when: the provenance of what follows from a scenario."""
     return {
         "mcsim": __version__,
         "name": scenario.name,
         "seed": scenario.base.monte_carlo.seed,
         "scenario": scenario.document.tree,
         "resolved": scenario.base.model_dump(mode="json", exclude_none=True),
-        **({} if _REPRODUCIBLE else _time_and_machine()),
-    }
-
-
-def _time_and_machine() -> dict[str, Any]:
-    packages = ("numpy", "numba", "scipy", "pandas")
-    return {
-        "versions": {
-            "python": platform.python_version(),
-            **{name: metadata.version(name) for name in packages},
-        },
-        "platform": {
-            "system": platform.system(),
-            "machine": platform.machine(),
-        },
-        "finished": datetime.now(UTC).isoformat(timespec="seconds"),
+        **time_and_machine(),
     }

@@ -1,136 +1,61 @@
-"""Results on disk: whole files or none, all of one run, and reading them back."""
+"""Results of runs on disk: written by one hand, and read back whole and of one run."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mcsim.checkpoints import Checkpoint
 from mcsim.errors import InputError
 from mcsim.files import readable
+from mcsim.provenance import MARKS, PROVENANCE
+from mcsim.report import Report
 from mcsim.results import Results
 from mcsim.scenario_file import Scenario
 from mcsim.stored_tables import (
-    MARKS,
-    PROVENANCE,
     columns_of,
-    mark_of,
     read_provenance,
     read_table,
     refuse_mixed,
     refuse_others,
     refuse_unfit,
 )
-from mcsim.writing import (
-    csv_writer,
-    parquet_writer,
-    readable_errors,
-    remove_stale,
-    write_table,
-    write_text,
-    write_whole,
-)
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = [
-    "Checkpoint",
-    "load",
-    "load_results",
-    "readable_errors",
-    "remove_figures",
-    "save",
-    "write_provenance",
-    "write_table",
-    "write_text",
-    "write_whole",
-]
-
 TABLE = "table"
-#: Tables beside the main one; each as CSV and Parquet.
+#: Tables beside the main one.
 _EXTRA_TABLES = ("budget", "history", "tracks")
-_PICTURES = ("png", "svg")
+#: Formats of a run's tables, and of those that are read, the quickest first.
+FORMATS = ("csv", "parquet")
+_READ = ("parquet", "csv")
 
 
-def save(results: Results, folder: Path) -> list[Path]:
+def save(
+    results: Results,
+    folder: Path,
+    formats: tuple[str, ...] = FORMATS,
+    pictures: Collection[str] = (),
+) -> list[Path]:
     """Write the tables and the provenance of a run into ``folder``; return the files.
 
-    Each file appears whole or not at all.  The provenance comes last and holds the digests of
-    the tables: of a run that is stopped in between nothing is taken for the other's.  Files
-    that an earlier run left and this one does not have are removed, and so are its pictures.
+    What an earlier run left and this one does not have is removed, and so are its ``pictures``
+    (names without ending), which would not belong to the new tables.
 
     Raises
     ------
     InputError
         The folder cannot be written.
     """
-    tables = {
-        TABLE: results.table,
-        "budget": results.budget,
-        "history": results.history,
-        "tracks": results.tracks,
-    }
-    remove_figures(folder)
-    written: list[Path] = []
-    marks: dict[str, str] = {}
-    with readable_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, table in tables.items():
-            if table is None:
-                _remove(folder, name, ("csv", "parquet", *_PICTURES))
-                continue
-            for ending, writer in (("csv", csv_writer), ("parquet", parquet_writer)):
-                file = folder / f"{name}.{ending}"
-                written.append(write_whole(file, _marked(writer(table), file.name, marks)))
-    written.append(write_provenance({**results.provenance, MARKS: marks}, folder))
-    return written
-
-
-def _marked(
-    write: Callable[[Path], None], name: str, marks: dict[str, str]
-) -> Callable[[Path], None]:
-    """Writes a file, and notes its digest under its name."""
-
-    def write_and_mark(path: Path) -> None:
-        write(path)
-        marks[name] = mark_of(path.read_bytes())
-
-    return write_and_mark
-
-
-def write_provenance(provenance: Mapping[str, Any], folder: Path) -> Path:
-    """Write where results come from into ``folder``, whole or not at all.
-
-    Raises
-    ------
-    InputError
-        The folder cannot be written.
-    """
-    text = json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"
-    return write_text(text, folder, PROVENANCE)
-
-
-def remove_figures(folder: Path) -> None:
-    """Remove the pictures of an earlier run, which would not belong to new tables.
-
-    Raises
-    ------
-    InputError
-        The folder cannot be written.
-    """
-    with readable_errors(folder):
-        for name in ("figure", "tracks"):
-            _remove(folder, name, _PICTURES)
-
-
-def _remove(folder: Path, name: str, endings: tuple[str, ...]) -> None:
-    for ending in endings:
-        file = folder / f"{name}.{ending}"
-        file.unlink(missing_ok=True)
-        remove_stale(file)
+    extras = {name: getattr(results, name) for name in _EXTRA_TABLES}
+    kept = {name: table for name, table in extras.items() if table is not None}
+    return Report(
+        provenance=results.provenance,
+        tables={TABLE: results.table, **kept},
+        formats=formats,
+        obsolete=(*_EXTRA_TABLES, *pictures),
+    ).write(folder)
 
 
 def load(path: str | Path) -> pd.DataFrame:
@@ -165,15 +90,9 @@ def load_results(path: str | Path) -> Results:
     provenance = read_provenance(folder)
     scenario = _scenario(provenance, folder)
     refuse_mixed(folder, _marks(provenance))
-    files = {
-        name: folder / f"{name}.parquet"
-        for name in _EXTRA_TABLES
-        if (folder / f"{name}.parquet").exists()
-    }
-    tables = {
-        name: _checked(part, name, scenario, provenance)
-        for name, part in {TABLE: file, **files}.items()
-    }
+    extras = {name: _stored(folder, name) for name in _EXTRA_TABLES}
+    files = {TABLE: file, **{name: part for name, part in extras.items() if part is not None}}
+    tables = {name: _checked(part, name, scenario, provenance) for name, part in files.items()}
     return Results(scenario, tables.pop(TABLE), provenance, **tables)
 
 
@@ -211,8 +130,14 @@ def _marks(provenance: Mapping[str, Any]) -> Mapping[str, Any]:
 def _table_file(path: Path) -> Path:
     if path.is_file():
         return path
-    for ending in ("parquet", "csv"):
-        if (path / f"{TABLE}.{ending}").exists():
-            return path / f"{TABLE}.{ending}"
+    file = _stored(path, TABLE)
+    if file is not None:
+        return file
     what = "holds no table.csv" if path.is_dir() else "no such result"
     raise InputError(f"{path}: {what}; name the folder that `mcsim run` wrote")
+
+
+def _stored(folder: Path, name: str) -> Path | None:
+    """The file of a table, in the format that is read the quickest."""
+    files = (folder / f"{name}.{ending}" for ending in _READ)
+    return next((file for file in files if file.exists()), None)

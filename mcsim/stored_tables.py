@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 from collections.abc import Iterable, Mapping
@@ -12,23 +11,17 @@ from typing import TYPE_CHECKING, Any
 from mcsim.errors import InputError
 from mcsim.files import check_file, readable
 from mcsim.over_time import TIME
+from mcsim.provenance import PROVENANCE, mark_of
 from mcsim.results import COLUMNS, coordinate_columns
 from mcsim.scenario_file import Scenario
 
 if TYPE_CHECKING:
     import pandas as pd
 
-PROVENANCE = "provenance.json"
-#: In the provenance: the digests of the tables that it belongs to, by file name.
-MARKS = "files"
 #: The largest files (bytes), and rows of a table, that are read.
 _LARGEST_TABLE, _LARGEST_PROVENANCE, _MOST_ROWS = 1 << 32, 1 << 24, 50_000_000
 _NUMBERS = ("value", "ci_low", "ci_high", "std", "share", TIME)
-
-
-def mark_of(content: bytes) -> str:
-    """The digest by which a provenance knows its tables again."""
-    return hashlib.blake2b(content, digest_size=16).hexdigest()
+_TEXTS = ("error", "statistic", "unit", "source", "note")
 
 
 def read_provenance(folder: Path) -> dict[str, Any]:
@@ -92,20 +85,30 @@ def _content(file: Path, largest: int) -> bytes:
 
 def _parsed(content: bytes, csv: bool) -> pd.DataFrame:
     import pandas as pd
-
-    if csv:
-        table = pd.read_csv(io.BytesIO(content), engine="pyarrow")  # reads floats exactly
-        if "note" in table:
-            table["note"] = table["note"].astype(object).fillna("").astype(str)
-        return table
     import pyarrow.parquet as pq
 
+    if csv:
+        return _of_csv(content)
     try:
         if pq.ParquetFile(io.BytesIO(content)).metadata.num_rows > _MOST_ROWS:
             raise ValueError(f"more than {_MOST_ROWS:,} rows")
         return pd.read_parquet(io.BytesIO(content))
     except UnicodeDecodeError:
         raise ValueError("damaged: a name in it is no text") from None
+
+
+def _of_csv(content: bytes) -> pd.DataFrame:
+    """A table as it was before it was written: floats to the last bit, empty texts as such."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    # A column without any value would tell of no type, and of a wrong one.
+    types = {**dict.fromkeys(_NUMBERS, pa.float64()), **dict.fromkeys(_TEXTS, pa.string())}
+    options = csv.ConvertOptions(column_types=types, null_values=[""])
+    table = csv.read_csv(io.BytesIO(content), convert_options=options)
+    if table.num_rows > _MOST_ROWS:
+        raise ValueError(f"more than {_MOST_ROWS:,} rows")
+    return table.to_pandas()
 
 
 def refuse_unfit(file: Path, table: pd.DataFrame, columns: Iterable[str] = COLUMNS) -> None:

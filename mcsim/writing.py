@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,47 +20,36 @@ except ImportError:  # a system without such locks: nothing is locked there
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Writes one file at the path that it is given.
+Writer = Callable[[Path], None]
 #: Held by the run that writes into a folder.
 LOCK = ".lock"
 #: What `tempfile` puts between the name and the ending of a file that is being written.
 _RANDOM = "[a-z0-9_]{8}"
 
 
-def write_table(table: pd.DataFrame, folder: Path, name: str) -> Path:
-    """Write one table as CSV into ``folder``, whole or not at all.
-
-    Raises
-    ------
-    InputError
-        The folder cannot be written.
-    """
-    with readable_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        return write_whole(folder / f"{name}.csv", csv_writer(table))
-
-
-def write_text(text: str, folder: Path, name: str) -> Path:
-    """Write one text file into ``folder``, whole or not at all.
-
-    Raises
-    ------
-    InputError
-        The folder cannot be written.
-    """
-
-    def write(path: Path) -> None:
-        path.write_text(text, encoding="utf-8")
-
-    with readable_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        return write_whole(folder / name, write)
-
-
-def write_whole(path: Path, write: Callable[[Path], None]) -> Path:
+def write_whole(path: Path, write: Writer) -> Path:
     """Write beside ``path`` and move into place, so that no half-written file is ever seen.
 
     What a killed process has left beside it is removed.
     """
+    return write_together({path: write})[0]
+
+
+def write_together(files: Mapping[Path, Writer]) -> list[Path]:
+    """Write several files as ``write_whole`` does; none is replaced unless all could be written."""
+    with ExitStack() as stack:
+        written = {
+            path: stack.enter_context(written_beside(path, write)) for path, write in files.items()
+        }
+        for path, beside in written.items():
+            beside.replace(path)
+    return list(files)
+
+
+@contextmanager
+def written_beside(path: Path, write: Writer) -> Iterator[Path]:
+    """A file as ``path`` shall be, to be moved there inside; what is not moved is removed."""
     remove_stale(path)
     descriptor, name = tempfile.mkstemp(
         prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent
@@ -70,13 +59,10 @@ def write_whole(path: Path, write: Callable[[Path], None]) -> Path:
         _claim(descriptor)
         write(beside)
         beside.chmod(0o666 & ~_umask())
-        beside.replace(path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
+        yield beside
     finally:
+        beside.unlink(missing_ok=True)
         os.close(descriptor)
-    return path
 
 
 def remove_stale(path: Path) -> None:
@@ -118,14 +104,23 @@ def _umask() -> int:
     return mask
 
 
-def csv_writer(table: pd.DataFrame) -> Callable[[Path], None]:
-    """Writes a table as CSV."""
-    return lambda path: table.to_csv(path, index=False, lineterminator="\n")
+def csv_writer(table: pd.DataFrame, numbers: str | None = None) -> Writer:
+    """Writes a table as CSV, its floats exactly or in the format ``numbers``."""
+    return lambda path: table.to_csv(path, index=False, lineterminator="\n", float_format=numbers)
 
 
-def parquet_writer(table: pd.DataFrame) -> Callable[[Path], None]:
+def parquet_writer(table: pd.DataFrame) -> Writer:
     """Writes a table as Parquet."""
     return lambda path: table.to_parquet(path, index=False)
+
+
+def text_writer(text: str) -> Writer:
+    """Writes a text as UTF-8."""
+
+    def write(path: Path) -> None:
+        path.write_text(text, encoding="utf-8")
+
+    return write
 
 
 @contextmanager

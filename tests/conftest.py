@@ -10,7 +10,11 @@ import pytest
 from hypothesis import settings
 
 from mcsim import Scenario
-from mcsim.sensors.signal_errors import signal_errors
+from mcsim.sensor_terms import gauss_markov
+from mcsim.sensor_terms.bias_instability import flicker
+from mcsim.sensor_terms.mechanisms import process
+from mcsim.sensor_terms.mechanisms.white import NOISE
+from mcsim.sensor_terms.random_walk import walk
 from mcsim.systems import problem_of
 
 # The same examples on every machine and in every run; "--hypothesis-profile explore" draws
@@ -57,12 +61,29 @@ def scenario(overrides: dict[str, Any] | None = None, **more: Any) -> Scenario:
 
 def density(block) -> float:
     """One-sided white noise density of a sensor block's first axis."""
-    return float(signal_errors(block).noise_density[0])
+    return float(block.acts_on(0)[NOISE].density)
 
 
 def problem(overrides: dict[str, Any] | None = None, folder: Path = Path()):
     """The planar problem of the base scenario with some values replaced."""
     return problem_of(scenario(overrides).base, folder)
+
+
+def processes_of(
+    bias_instability: float,
+    random_walk: float,
+    drift: float,
+    correlation_time: float,
+    interval: float,
+    duration: float,
+) -> process.Processes:
+    """Flicker noise, random walk and Gauss-Markov drift of one channel, SI."""
+    terms = {
+        "bias instability": flicker(bias_instability),
+        "Gauss-Markov drift": gauss_markov.drift(drift, correlation_time),
+        "random walk": walk(random_walk),
+    }
+    return process.processes_of(terms, interval, duration)
 
 
 @pytest.fixture

@@ -18,11 +18,10 @@ from mcsim.characterisation.bias import (
     track_bias,
 )
 from mcsim.characterisation.process import GaussMarkov
-from mcsim.cli.bias_table import useless_words
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
+from mcsim.papers.bias_tracking import tracked_biases, useless_words
 from mcsim.units import STANDARD_GRAVITY
-from mcsim.vibration.bias_table import tracked_biases
 from tests.reference.noise import gauss_markov
 
 RATE = 20.0
@@ -170,7 +169,7 @@ def test_the_tables_words_follow_from_its_numbers(monkeypatch, capsys):
     assert useless_words(better).startswith("No printed value exceeds")
     worse = [replace(e, printed=2.0 * e.model.deviation) for e in entries]
     assert "MTI-300, MPU-9250" in useless_words(worse)
-    monkeypatch.setattr("mcsim.vibration.bias_table.tracked_biases", lambda *_: entries)
+    monkeypatch.setattr("mcsim.papers.bias_tracking.tracked_biases", lambda *_: entries)
     assert exit_code(["table", "bias-tracking"]) == 0
     out = capsys.readouterr().out
     assert "exact (20 Hz)" in out

@@ -263,10 +263,10 @@ def test_shakers_that_cannot_be_simulated_are_explained(tmp_path, capsys, old, n
 
 def test_shaker_finds_slope_and_nonlinearity():
     frequencies = np.linspace(1.0, 10.0, 10)
-    reference = frequencies / 10.0
+    reference, time = frequencies / 10.0, np.arange(500) / 100.0
     cubic = cubic_of(5e-3, 3.0, 1.02, reference)
     measured = simulate_shaker(
-        frequencies, reference, 1.02, cubic, 1e-3, 100.0, 5.0, 10, np.random.default_rng(2)
+        frequencies, reference, 1.02, cubic, 1e-3, time, 10, np.random.default_rng(2)
     )
     fit = linearity(reference, measured, 3.0)
     # Amplitudes err by 1e-3 sqrt(2 / 500 / 10) = 2e-5 g, that is 7 ppm of 3 g.
@@ -275,7 +275,7 @@ def test_shaker_finds_slope_and_nonlinearity():
     expected = np.polyfit(reference, 1.02 * (reference + 0.75 * cubic * reference**3), 1)
     np.testing.assert_allclose([fit.slope, fit.offset], expected, atol=1e-4)
     straight = simulate_shaker(
-        frequencies, reference, 1.02, 0.0, 1e-3, 100.0, 5.0, 10, np.random.default_rng(2)
+        frequencies, reference, 1.02, 0.0, 1e-3, time, 10, np.random.default_rng(2)
     )
     assert linearity(reference, straight, 3.0).nonlinearity < 5 * 7e-6
     assert fit.scale_uncertainty(3e-3, 1.02) == pytest.approx(

@@ -71,8 +71,8 @@ def output(csv, tmp_path_factory):
 
 
 def test_all_files_are_written(output):
-    expected = ["allan.csv", "allan.png", "allan.svg", "psd.csv", "psd.png", "psd.svg"]
-    assert sorted(p.name for p in output.iterdir()) == [*expected, "sensor.yaml"]
+    expected = ["allan.csv", "allan.png", "allan.svg", "provenance.json", "psd.csv", "psd.png"]
+    assert sorted(p.name for p in output.iterdir()) == [*expected, "psd.svg", "sensor.yaml"]
 
 
 def test_allan_table_is_allantools_of_the_log(csv, output):

@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import mcsim
 from mcsim.cli.main import exit_code
+from mcsim.papers import FIGURES
 from tests.conftest import BASE_YAML
 
 
@@ -126,7 +128,7 @@ def test_failing_points_exit_with_3(scenario_file, tmp_path, capsys, monkeypatch
 
 
 def test_unexpected_errors_exit_with_1(scenario_file, tmp_path, capsys, monkeypatch):
-    import mcsim.api as api
+    import mcsim.api.run as api
 
     def broken(*_, **__):
         raise RuntimeError("the sky fell")
@@ -166,6 +168,22 @@ def test_interrupted_runs_exit_with_130_and_go_on_later(scenario_file, tmp_path)
     assert "the same command goes on from there" in err
     assert "Traceback" not in err
     assert [p.name[:12] for p in (out / "case").iterdir()] == [".checkpoint-"]
+
+
+def test_an_interruption_while_code_is_made_has_the_same_exit_code(tmp_path):
+    """CPython ends by a signal after an interruption inside `exec`, even if it was handled."""
+    (tmp_path / "interrupted.py").write_text(
+        "import click, mcsim\n"
+        "from mcsim.cli import main\n"
+        "made = click.Command('made', callback=lambda: exec('raise KeyboardInterrupt'))\n"
+        "mcsim.add(mcsim.Command('made', made))\n"
+        "main(['made'])\n"
+    )
+    command = [sys.executable, "-m", "interrupted"]
+    paths = os.pathsep.join([str(tmp_path), str(Path(mcsim.__file__).parent.parent)])
+    environment = {**os.environ, "PYTHONPATH": paths}
+    result = subprocess.run(command, capture_output=True, check=False, env=environment)
+    assert result.returncode == 130, result.stderr
 
 
 def test_validate_checks_without_running(scenario_file, tmp_path, capsys):
@@ -217,17 +235,12 @@ def test_unknown_figures_are_refused(capsys):
 
 def test_composed_figures_are_drawn(tmp_path, monkeypatch):
     """Figure 5 has two scenarios; fewer realizations make it quick."""
-    import mcsim.cli.paper as paper
+    real = FIGURES["5"]
 
-    real = paper.figure_scenarios
+    def quick():
+        return [s.with_values({"monte_carlo.realizations": 20}) for s in real.scenarios()]
 
-    def quick(numbers):
-        return {
-            n: [s.with_values({"monte_carlo.realizations": 20}) for s in parts]
-            for n, parts in real(numbers).items()
-        }
-
-    monkeypatch.setattr(paper, "figure_scenarios", quick)
+    monkeypatch.setitem(FIGURES._parts, "5", replace(real, scenarios=quick))
     assert exit_code(["figures", "5", "--quiet", "--output", str(tmp_path)]) == 0
     assert sorted(p.name for p in tmp_path.iterdir()) == [
         "figure5",
@@ -303,7 +316,7 @@ def test_if_no_point_can_run_the_old_result_stays(scenario_file, tmp_path, capsy
 
 
 def test_a_kill_while_drawing_loses_nothing(scenario_file, tmp_path, monkeypatch):
-    import mcsim.figures as figures
+    import mcsim.figures.saving as figures
 
     real = figures.save_figures
 

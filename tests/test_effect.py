@@ -3,7 +3,7 @@
 import pytest
 
 from mcsim import Scenario, run
-from mcsim.scenario_file.effect import COMMON, without_effect
+from mcsim.scenario_file.effect import COMMON, of_terms, without_effect
 from mcsim.systems import SYSTEMS
 from tests import conftest, strapdown
 
@@ -74,9 +74,8 @@ def test_a_key_without_effect_is_told_and_one_with_effect_is_not(case, where, ke
 
 def test_every_rule_is_tried():
     tried = {key for _, _, key, _, _ in CASES} | {"body.pitch.damping", "body.roll.damping"}
-    assert {
-        rule.path for rule in [*COMMON, *(key for case in SYSTEMS.values() for key in case.idle)]
-    } <= tried
+    of_cases = (key for case in SYSTEMS.values() for key in case.idle)
+    assert {rule.path for rule in [*COMMON, *of_terms(), *of_cases]} <= tried
 
 
 def test_a_sweep_in_which_the_key_acts_somewhere_is_silent():

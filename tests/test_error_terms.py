@@ -7,14 +7,9 @@ import pytest
 
 import mcsim
 from mcsim import InputError
-from mcsim.sensors.coloured import (
-    after_calibration,
-    folded,
-    innovations_of,
-    processes_of,
-)
+from mcsim.sensors.coloured import after_calibration, folded, innovations_of
 from mcsim.sensors.low_pass import behind_low_pass
-from tests.conftest import ALL_ERRORS, NO_NOISE, problem, scenario
+from tests.conftest import ALL_ERRORS, NO_NOISE, problem, processes_of, scenario
 
 INTERVAL = 0.01
 STRAIGHT = {
@@ -201,8 +196,9 @@ def test_a_range_out_of_reach_costs_nothing():
 
 
 @pytest.mark.parametrize("integration", ["rectangular", "trapezoidal"])
-@pytest.mark.parametrize("source", TERMS)
-def test_each_term_alone_has_the_linear_models_deviation(source, integration):
+def test_jitter_alone_has_the_linear_models_deviation(integration):
+    """Terms of the elements: tests/test_sensor_terms.py."""
+    source = "sample-time jitter"
     values = {**NO_NOISE, **TERMS[source], "reconstruction.integration": integration}
     p = problem(values)
     deviation = (p.simulate(7, 0, N).errors - p.method_errors()[:, None]).std(axis=1)

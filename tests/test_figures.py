@@ -8,7 +8,9 @@ from matplotlib.text import Text
 
 import mcsim
 from mcsim import Scenario
-from mcsim.figures import draw, draw_over_time, draw_side_by_side
+from mcsim.figures.tracks import PICTURE as TRACKS
+from mcsim.figures.tracks import draw_over_time
+from mcsim.figures.whole import draw, draw_side_by_side
 from tests import strapdown
 from tests.conftest import BASE_YAML, scenario
 
@@ -171,7 +173,7 @@ def test_the_ellipse_holds_the_ends_it_should():
 
 
 def test_runs_without_tracks_draw_none():
-    assert draw_over_time(mcsim.run(scenario({"monte_carlo.realizations": 10}))) is None
+    assert not TRACKS.wants(mcsim.run(scenario({"monte_carlo.realizations": 10})))
 
 
 def test_panels_of_different_paths_hold_the_others():

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from mcsim.engine import run_point
-from mcsim.sensors.error_model import ACCELEROMETER
+from mcsim.sensor_terms.channel import ACCELEROMETER
 from tests.conftest import ALL_ERRORS, problem, scenario
 
 #: One realization in 20 has a spike.

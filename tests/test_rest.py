@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from mcsim.kernels.measurement import mean_output
-from mcsim.sensors.coloured import after_calibration, processes_of, with_mean
-from mcsim.sensors.rest import rounding_variances, spread_at_rest
+from mcsim.sensor_terms.mechanisms.digitise import rounding_variances
+from mcsim.sensors.coloured import after_calibration, with_mean
+from mcsim.sensors.rest import spread_at_rest
 from mcsim.units import STANDARD_GRAVITY
 from tests import conftest, strapdown
-from tests.conftest import NO_NOISE
+from tests.conftest import NO_NOISE, processes_of
 from tests.reference.rest_numpy import along_errors
 from tests.test_error_terms import CLOSE, STRAIGHT, covariance_of
 

@@ -6,7 +6,7 @@ import jsonschema
 import pytest
 
 from mcsim import InputError, Scenario
-from mcsim.cli.paper import shipped_scenarios
+from mcsim.papers.shipped import shipped_scenarios
 from mcsim.scenario_file.schema import scenario_schema
 from mcsim.units import STANDARD_GRAVITY as G
 from mcsim.vibration.scenario import read_vibration, vibration_schema

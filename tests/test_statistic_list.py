@@ -11,7 +11,7 @@ from scipy import stats
 
 import mcsim
 from mcsim import Scenario, run
-from mcsim.cli.tables import summary
+from mcsim.cli.summary import summary
 from mcsim.errors import InputError
 from mcsim.figures.single import draw_single
 from mcsim.figures.sweeps import draw_sweep

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -17,10 +18,13 @@ import mcsim
 from mcsim import InputError
 from mcsim.checkpoints import Checkpoint
 from mcsim.cli.main import exit_code
+from mcsim.provenance import mark_of
 from mcsim.scenario_file import Scenario
 from mcsim.store import load, load_results
 from mcsim.writing import LOCK, alone_in, write_whole
 
+SHIPPED = Path(__file__).parent.parent / "results"
+LARGE = ("log", "spectrum")
 SCENARIO = """case: planar
 trajectory: {shape: half_cosine, length: 50 m, width: 5 m, speed: 20 m/s}
 sensors: {rate: 50 Hz, accelerometer: LSM330DL, gyroscope: LSM330DL}
@@ -98,6 +102,68 @@ def test_a_sound_result_is_read(result, name):
     """The control of the tests above."""
     assert name in json.loads((result / "provenance.json").read_text())["files"]
     assert len(load_results(result).table) == len(load(result))
+
+
+SWEPT = {
+    "numbers": "{trajectory.speed: [10 m/s, 0.1 m/s], sensors.rate: [30 Hz, 50 Hz]}",
+    "texts": "{reconstruction.integration: [rectangular, trapezoidal]}",
+    "names": "{sensors.accelerometer: [LSM330DL, MPU-9250]}",
+    "whole numbers": "{monte_carlo.resamples: [100, 200]}",
+    "nothing": "null",
+}
+
+
+@pytest.mark.parametrize("swept", [*SWEPT.values(), "undisturbed"], ids=[*SWEPT, "undisturbed"])
+def test_csv_holds_what_parquet_holds(tmp_path, swept):
+    """Floats to the last bit, empty notes, tables without any value: read from either."""
+    silent = [
+        "sensors.accelerometer={noise_density: 0 m/s²/√Hz}",
+        "sensors.gyroscope={noise_density: 0 °/s/√Hz}",
+    ]
+    results = run(tmp_path, silent if swept == "undisturbed" else [f"sweep={swept}"])
+    folder = tmp_path / "scenario"
+    by_parquet = load_results(folder)
+    for file in folder.glob("*.parquet"):
+        file.unlink()
+    by_csv = load_results(folder)
+    for name in ("table", "budget", "history", "tracks"):
+        parquet, csv = getattr(by_parquet, name), getattr(by_csv, name)
+        assert list(csv) == list(parquet)
+        assert len(csv) == len(parquet)
+        if len(csv):  # columns without rows have no type to speak of
+            pd.testing.assert_frame_equal(csv, parquet, check_exact=True)
+            pd.testing.assert_frame_equal(csv, getattr(results, name), check_exact=True)
+    pd.testing.assert_frame_equal(load(folder), by_parquet.table, check_exact=True)
+
+
+def test_formats_that_are_not_written_do_not_stay(tmp_path):
+    """A result of both formats, made again as CSV alone, is one of CSV alone."""
+    run(tmp_path)
+    run(tmp_path, ["monte_carlo.seed=4"], formats=("csv",))
+    folder = tmp_path / "scenario"
+    assert not list(folder.glob("*.parquet"))
+    assert set(json.loads((folder / "provenance.json").read_text())["files"]) == {
+        "table.csv",
+        "budget.csv",
+        "history.csv",
+        "tracks.csv",
+    }
+    assert load_results(folder).scenario.base.monte_carlo.seed == 4
+
+
+def test_shipped_results_are_read():
+    """They hold CSV alone, and what their provenance tells of is what lies there."""
+    folders = sorted(file.parent for file in SHIPPED.glob("*/table.csv"))
+    runs = [f for f in folders if "scenario" in json.loads((f / "provenance.json").read_text())]
+    assert len(runs) >= 10
+    assert not list(SHIPPED.rglob("*.parquet"))
+    for folder in runs:
+        assert load_results(folder).budget is not None
+    for provenance in SHIPPED.rglob("provenance.json"):
+        for name, mark in json.loads(provenance.read_text()).get("files", {}).items():
+            file = provenance.parent / name
+            # Simulated logs and their full spectra are not shipped.
+            assert mark_of(file.read_bytes()) == mark if file.exists() else file.stem in LARGE
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,9 @@ import pytest
 
 import mcsim
 from mcsim import InputError, Scenario
-from mcsim.cli.gravity_leakage import verdict
 from mcsim.cli.main import exit_code
-from mcsim.cli.paper import shipped_scenarios
-from mcsim.systems.strapdown.gravity_leakage import NOTE_GRAVITY, RATE, gravity_leakage
+from mcsim.papers.gravity_leakage import NOTE_GRAVITY, RATE, gravity_leakage, verdict
+from mcsim.papers.shipped import shipped_scenarios
 from mcsim.systems.strapdown.scenario import StrapdownScenario
 from tests.conftest import ALL_ERRORS
 from tests.strapdown import LEANING, problem, scenario

@@ -10,10 +10,11 @@ import pytest
 
 import mcsim
 from mcsim import InputError, Scenario
+from mcsim.checkpoints import Checkpoint
 from mcsim.results import COLUMNS, circumstances
 from mcsim.scenario.document import Document
 from mcsim.scenario.validation import validate
-from mcsim.store import Checkpoint, load_results
+from mcsim.store import load_results
 from mcsim.sweep import run_sweep
 from mcsim.systems.planar.scenario import PlanarScenario
 from mcsim.vibration.scenario import VibrationScenario, is_vibration, read_vibration
@@ -400,7 +401,8 @@ def test_a_run_interrupted_before_its_first_point_leaves_nothing(tmp_path):
 
 
 def test_reproducible_provenance_says_nothing_of_time_and_machine(monkeypatch):
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
     usual = circumstances(scenario())
-    monkeypatch.setattr("mcsim.results._REPRODUCIBLE", True)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
     same = circumstances(scenario())
     assert set(usual) - set(same) == {"versions", "platform", "finished"}

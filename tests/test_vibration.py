@@ -14,8 +14,9 @@ from scipy.integrate import cumulative_simpson
 from scipy.signal import butter, chirp, sosfiltfilt
 
 from mcsim.cli.main import exit_code
-from mcsim.cli.paper import shipped_scenarios
 from mcsim.errors import InputError
+from mcsim.papers.sensor_deviations import printed, remarks, sensor_table
+from mcsim.papers.shipped import shipped_scenarios
 from mcsim.scenario.document import parse_document
 from mcsim.scenario.fields import Acceleration
 from mcsim.scenario.validation import validate
@@ -36,8 +37,7 @@ from mcsim.vibration.scenario import (
     read_vibration,
     vibration_schema,
 )
-from mcsim.vibration.sensor_tables import printed, remarks, sensor_table
-from mcsim.vibration.simulation import AXES, oversampling, simulate
+from mcsim.vibration.simulation import AXES, errors_of, oversampling, simulate
 from mcsim.vibration.spectra import (
     amplitude_spectrum,
     signal_to_noise,
@@ -230,14 +230,9 @@ def test_simulation_is_seeded_and_tells_its_progress():
 
 
 def test_dense_signals_suit_the_low_pass():
-    from mcsim.sensors.signal_errors import signal_errors
-
-    errors = signal_errors(scenario(ENGINE).sensor)
-    assert oversampling(errors, 100.0) == 1
-    errors = signal_errors(
-        scenario(ENGINE.replace("1 µg/√Hz}", "1 µg/√Hz, bandwidth: 50 Hz}")).sensor
-    )
-    assert oversampling(errors, 100.0) == 4
+    assert oversampling(errors_of(scenario(ENGINE), 3)) == 1
+    limited = ENGINE.replace("1 µg/√Hz}", "1 µg/√Hz, bandwidth: 50 Hz}")
+    assert oversampling(errors_of(scenario(limited), 3)) == 4
 
 
 # The chain
@@ -402,10 +397,12 @@ def test_a_scenario_becomes_tables_and_a_picture(tmp_path, capsys):
     folder = tmp_path / "engine"
     assert sorted(p.name for p in folder.iterdir()) == [
         *("density.csv", "figure.png", "figure.svg", "log.csv", "orders.csv"),
-        *("spectrum.csv", "table.csv"),
+        *("provenance.json", "spectrum.csv", "table.csv"),
     ]
     orders = pd.read_csv(folder / "orders.csv").query("channel == 'z'")
-    assert orders["amplitude_raw [m/s^2]"].to_numpy() == pytest.approx([0.05, 0.6, 0.3], rel=0.03)
+    # White noise of 300 µg/√Hz makes an amplitude's deviation of 1.3e-3 m/s² in 20 s.
+    amplitudes = orders["amplitude_raw [m/s^2]"].to_numpy()
+    assert amplitudes == pytest.approx([0.05, 0.6, 0.3], rel=0.03, abs=5e-3)
     log = read_vibration_log(folder / "log.csv")
     assert log.rate == pytest.approx(740.0)
     assert log.samples[:, 2].mean() == pytest.approx(9.8, abs=0.1)

@@ -165,17 +165,16 @@ def simulate_shaker(
     scale: float,
     cubic: float,
     noise: float,
-    rate: float,
-    duration: float,
+    time: Array,
     series: int,
     generator: np.random.Generator,
 ) -> Array:
     """Mean measured amplitude at each frequency over ``series`` series.
 
     The sensor reads ``scale (a + cubic a^3)`` with white noise; its amplitude is that of the
-    sinusoid fitted at the known frequency (IEEE Std 1057, three parameters).
+    sinusoid fitted at the known frequency (IEEE Std 1057, three parameters).  ``time`` (n,) are
+    the samples' times (s).
     """
-    time = np.arange(round(duration * rate)) / rate
     result = np.zeros(len(frequencies))
     for _ in range(series):
         for i, (frequency, amplitude) in enumerate(zip(frequencies, reference, strict=True)):

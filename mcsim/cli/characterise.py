@@ -2,21 +2,41 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict, Unpack
 
 import click
 
+from mcsim.cli.command import Command
 from mcsim.cli.dialect_options import DialectName, Hertz, answers
-from mcsim.errors import InputError
+from mcsim.cli.notes import say, silent
+from mcsim.cli.options import QUIET
 
 if TYPE_CHECKING:
-    from mcsim.characterisation.analysis import Characterisation, Settings
+    from mcsim.characterisation.analysis import Characterisation
     from mcsim.characterisation.fit import Intervals
-    from mcsim.dialects import Reading
 
 _ENDINGS = (".gz", ".xz", ".bz2", ".csv", ".txt", ".yaml", ".yml", ".bag", ".mcap", ".db3")
+_FILES = ("sensor.yaml", "allan.csv", "psd.csv", "allan.png", "allan.svg", "psd.png", "psd.svg")
+
+
+class _Options(TypedDict):
+    rate: float | None
+    columns: str | None
+    units: str | None
+    topic: str | None
+    start: float | None
+    end: float | None
+    fit_range: tuple[float, float] | None
+    non_overlapping: bool
+    confidence: str
+    intervals: Intervals
+    dialect: str | None
+    assume: tuple[str, ...]
+    noise_convention: str | None
+    walk_convention: str | None
+    output: Path | None
+    quiet: bool
 
 
 @click.command()
@@ -82,26 +102,8 @@ _ENDINGS = (".gz", ".xz", ".bz2", ".csv", ".txt", ".yaml", ".yml", ".bag", ".mca
     type=click.Path(path_type=Path),
     help="Folder for the results; output/LOG if absent.",
 )
-@click.option("--quiet", is_flag=True, help="No progress, no summary.")
-def characterise(
-    log: Path,
-    rate: float | None,
-    columns: str | None,
-    units: str | None,
-    topic: str | None,
-    start: float | None,
-    end: float | None,
-    fit_range: tuple[float, float] | None,
-    non_overlapping: bool,
-    confidence: str,
-    intervals: Intervals,
-    dialect: str | None,
-    assume: tuple[str, ...],
-    noise_convention: str | None,
-    walk_convention: str | None,
-    output: Path | None,
-    quiet: bool,
-) -> None:
+@QUIET
+def characterise(log: Path, **options: Unpack[_Options]) -> None:
     """Characterise a sensor from a static log; write sensor.yaml, tables and figures.
 
     LOG is a CSV file (plain or packed; units in its header or by --units; time in
@@ -111,58 +113,46 @@ def characterise(
 
     Noise: N is Allan's (two-sided); a data sheet's one-sided density is √2 N.
     """
-    folder = output or Path("output") / _stem(log)
+    folder = options["output"] or Path("output") / _stem(log)
     if _is_parameters(log):
-        given = _conventions(noise_convention, walk_convention) | answers(assume)
-        _parameters(log, dialect, given, rate, folder, quiet)
-        return
+        _parameters(log, folder, options)
+    else:
+        _log(log, folder, options)
 
-    from mcsim.characterisation.analysis import characterise as analyse
+
+COMMAND = Command("characterise", characterise)
+
+
+def _log(log: Path, folder: Path, options: _Options) -> None:
+    from mcsim.api.characterise import LogOptions
+    from mcsim.api.characterise import characterise as characterisation_of
     from mcsim.cli.progress import announce_compilation
-    from mcsim.logs import ReadOptions, read_log
 
-    settings = _settings(fit_range, non_overlapping, confidence, intervals)
-    if not quiet:
+    if not options["quiet"]:
         announce_compilation()
-    step = _silent if quiet else _say
-    step(f"reading {log}")
-    read = read_log(log, ReadOptions(rate, columns, units, topic, start, end))
-    result = analyse(read, settings, step)
-    step("drawing")
-    files = _write(result, folder)
-    if not quiet:
-        click.echo(_summary(result))
-        click.echo(", ".join(map(str, files)))
-
-
-def _settings(
-    fit_range: tuple[float, float] | None,
-    non_overlapping: bool,
-    confidence: str,
-    intervals: Intervals,
-) -> Settings:
-    from scipy.special import ndtr
-
-    from mcsim.characterisation.analysis import Settings
-    from mcsim.characterisation.bootstrap import largest_confidence
-    from mcsim.units import parse_confidence
-
-    if fit_range is not None and not 0.0 < fit_range[0] < fit_range[1]:
-        raise InputError(
-            f"--fit-range {fit_range[0]:g} {fit_range[1]:g}: two ascending times in s are needed"
-        )
-    probability = float(2.0 * ndtr(parse_confidence(confidence)) - 1.0)
-    if intervals == "bootstrap" and probability > largest_confidence():
-        raise InputError(
-            f"--confidence {confidence}: a bootstrap knows intervals of up to "
-            f"{100 * largest_confidence():g} %; give --intervals covariance"
-        )
-    return Settings(
-        estimator="non-overlapping" if non_overlapping else "overlapping",
-        fit_range=fit_range,
-        confidence=probability,
-        intervals=intervals,
+    tell = silent if options["quiet"] else say
+    read: LogOptions = {
+        "rate": options["rate"],
+        "columns": options["columns"],
+        "units": options["units"],
+        "topic": options["topic"],
+        "start": options["start"],
+        "end": options["end"],
+    }
+    found = characterisation_of(
+        log,
+        read=read,
+        fit_range=options["fit_range"],
+        overlapping=not options["non_overlapping"],
+        confidence=options["confidence"],
+        intervals=options["intervals"],
+        tell=tell,
     )
+    tell("drawing")
+    found.write(folder)
+    if not options["quiet"]:
+        click.echo(_summary(found.analysis))
+        click.echo(", ".join(str(folder / name) for name in _FILES))
 
 
 def _is_parameters(log: Path) -> bool:
@@ -174,87 +164,29 @@ def _is_parameters(log: Path) -> bool:
 _WHITE = {"continuous": "continuous", "discrete": "per_sample"}
 
 
-def _conventions(noise: str | None, walk: str | None) -> dict[str, str]:
+def _conventions(options: _Options) -> dict[str, str]:
     """The two options for imu_utils as answers to its questions."""
+    noise, walk = options["noise_convention"], options["walk_convention"]
     given = {"n": _WHITE[noise]} if noise is not None else {}
     return given | ({"w": walk.replace("-", "_")} if walk is not None else {})
 
 
-def _parameters(
-    log: Path,
-    dialect: str | None,
-    given: dict[str, str],
-    rate: float | None,
-    folder: Path,
-    quiet: bool,
-) -> None:
+def _parameters(log: Path, folder: Path, options: _Options) -> None:
     """Ready parameters, read as ``mcsim convert`` reads them, as a sensor file."""
-    from mcsim.dialects import Assumptions, read_file, write_sensor
+    from mcsim.api.convert import read_parameters
 
-    if rate is not None and not 0.0 < rate < float("inf"):
-        raise InputError(f"--rate {rate:g} must be above zero")
-    assumptions = Assumptions(given, rate)
-    reading = read_file(log, dialect, assumptions)
-    text = write_sensor(reading.description, "allan", assumptions)
-    file = _write_texts(folder, {"sensor.yaml": _with_origin(text, reading, log)})[0]
-    if not quiet:
-        notes = [f"note: {note}" for note in reading.notes]
-        click.echo("\n".join([*notes, _told(text), str(file)]))
-
-
-def _with_origin(text: str, reading: Reading, log: Path) -> str:
-    """The sensor file with a line for each note and where it comes from."""
-    from mcsim.version import __version__
-
-    head = [f"Written by mcsim {__version__}.", *(f"Note: {note}" for note in reading.notes)]
-    source = log.name.replace("\\", "\\\\").replace('"', '\\"')
-    return "".join(f"# {line}\n" for line in head) + text + f'source: "parameters of {source}"\n'
-
-
-def _told(text: str) -> str:
-    """The convention: the comment that the dialect begins with."""
-    lines = [line[2:] for line in text.splitlines() if line.startswith("# ")]
-    return " ".join(lines)
-
-
-def _write(result: Characterisation, folder: Path) -> list[Path]:
-    """Everything is made before anything is written."""
-    from mcsim.characterisation.sensor_file import sensor_file
-    from mcsim.characterisation.tables import allan_table, psd_table
-    from mcsim.figures.allan import draw_allan, draw_psd
-    from mcsim.figures.style import write_figure
-
-    texts = {
-        "sensor.yaml": sensor_file(result),
-        "allan.csv": allan_table(result).to_csv(index=False, lineterminator="\n"),
-        "psd.csv": psd_table(result).to_csv(index=False, lineterminator="\n", float_format="%.9g"),
-    }
-    figures = {"allan": draw_allan(result), "psd": draw_psd(result)}
-    files = _write_texts(folder, texts)
-    for name, figure in figures.items():
-        files += write_figure(figure, folder, name)
-    return files
-
-
-def _write_texts(folder: Path, texts: dict[str, str]) -> list[Path]:
-    from mcsim.store import readable_errors, write_whole
-
-    with readable_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        return [
-            write_whole(folder / name, lambda path, text=text: _put(path, text))  # type: ignore[misc]
-            for name, text in texts.items()
-        ]
-
-
-def _put(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
+    given = _conventions(options) | answers(options["assume"])
+    found = read_parameters(log, source=options["dialect"], assume=given, rate=options["rate"])
+    found.write(folder)
+    if not options["quiet"]:
+        notes = [f"note: {note}" for note in found.notes]
+        click.echo("\n".join([*notes, found.convention, str(folder / "sensor.yaml")]))
 
 
 def _summary(result: Characterisation) -> str:
     from mcsim.characterisation.sensor_file import KEYS, SAMPLE, written
     from mcsim.characterisation.verdict import noise_density, number, verdict
-    from mcsim.cli.tables import columns
+    from mcsim.text_table import columns
 
     rows = [
         [
@@ -301,11 +233,3 @@ def _stem(log: Path) -> str:
     while Path(name).suffix.lower() in _ENDINGS:
         name = Path(name).stem
     return name or "log"
-
-
-def _silent(_: str) -> None:
-    return None
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from mcsim.cli.command import Command
 from mcsim.cli.dialect_options import DialectName, answers
+from mcsim.cli.notes import note
 from mcsim.errors import InputError
 
 if TYPE_CHECKING:
-    from mcsim.dialects import Assumptions, Description
+    from mcsim.api.convert import Translation
+    from mcsim.dialects.quantity import Conversion
 
 _NEGATIVE = re.compile(r"-\.?\d")
 
@@ -62,7 +64,8 @@ def convert(
     (mcsim sensor file, Kalibr imu.yaml, MATLAB code, gnss-ins-sim, KF-GINS, imu_utils) or a
     built-in sensor is written in the dialect asked for, to standard output.
     """
-    from mcsim.dialects import Assumptions
+    from mcsim.api.convert import convert as translation_of
+    from mcsim.api.convert import convert_quantity, is_file
     from mcsim.units import KINDS, parse
 
     hertz = parse(rate, KINDS["frequency"]) if rate is not None else None
@@ -70,68 +73,40 @@ def convert(
         raise InputError(f'--rate "{rate}" must be above zero')
     if not given.strip():
         raise InputError("name a file, a sensor or a quantity such as '0.2 °/√h'")
-    assumptions = Assumptions(answers(assume), hertz, axis)
-    if not _is_file(given) and _begins_with_number(given):
-        click.echo(_quantity(given, role, hertz, target))
+    if not is_file(given) and _begins_with_number(given):
+        click.echo(_quantity(convert_quantity(given, target, role=role, rate=hertz)))
         return
-    sensor = _sensor(given, source, assumptions)
-    click.echo(_written(sensor, target, assumptions), nl=False)
+    found = translation_of(
+        given, target, source=source, assume=answers(assume), rate=hertz, axis=axis
+    )
+    for text in found.notes:
+        note(text)
+    click.echo(found.texts[target] if target is not None else _all(found), nl=False)
 
 
-def _is_file(given: str) -> bool:
-    try:
-        return Path(given).exists()
-    except OSError:
-        return False
+COMMAND = Command("convert", convert)
 
 
 def _begins_with_number(given: str) -> bool:
     return given.strip()[:1] in set("0123456789.+-")
 
 
-def _quantity(given: str, role: str | None, rate: float | None, target: str | None) -> str:
-    from mcsim.cli.tables import columns
-    from mcsim.dialects.quantity import convert_quantity
+def _quantity(conversion: Conversion) -> str:
+    from mcsim.text_table import columns
 
-    conversion = convert_quantity(given, role, rate)
-    if target is not None:
-        conversion = conversion.only(target)
     rows = [[f"  {row.what}", row.values, row.remark] for row in conversion.rows]
     return "\n".join([conversion.meaning, *columns(rows)])
 
 
-def _sensor(given: str, source: str | None, assumptions: Assumptions) -> Description:
-    """The description behind a file's name or a built-in sensor's."""
-    from mcsim import catalogue
-    from mcsim.dialects import describe_file, read_file
-    from mcsim.scenario.document import Document
-    from mcsim.scenario.sensor_file import SensorFile
-    from mcsim.scenario.validation import validate
+def _all(found: Translation) -> str:
+    """Every dialect under its name, or why it cannot be written."""
+    from mcsim.dialects import WRITABLE
 
-    if _is_file(given):
-        reading = read_file(Path(given), source, assumptions)
-        for note in reading.notes:
-            click.echo(f"note: {note}", err=True)
-        return reading.description
-    if any(sign in given for sign in "/\\.") and given.casefold() not in {
-        name.casefold() for name in catalogue.sensors()
-    }:
-        raise InputError(f"{given}: no such file")
-    sensor = catalogue.find(given)
-    tree = {"name": sensor.name, **dict.fromkeys(sensor.elements, sensor.name)}
-    return describe_file(validate(Document(tree, sensor.name), SensorFile))
-
-
-def _written(sensor: Description, target: str | None, assumptions: Assumptions) -> str:
-    from mcsim.dialects import WRITABLE, write_sensor
-
-    if target is not None:
-        return write_sensor(sensor, target, assumptions)
     parts = []
     for name in WRITABLE:
-        try:
-            parts.append(f"# --to {name}\n{write_sensor(sensor, name, assumptions)}")
-        except InputError as error:
-            reason = "\n#   ".join(str(error).splitlines())
+        if name in found.texts:
+            parts.append(f"# --to {name}\n{found.texts[name]}")
+        else:
+            reason = "\n#   ".join(found.refused[name].splitlines())
             parts.append(f"# --to {name} is not possible so:\n#   {reason}\n")
     return "\n".join(parts)

@@ -6,10 +6,34 @@ import importlib.util
 import sys
 from pathlib import Path
 
+import click
+
 from mcsim.errors import InputError, McsimError
 
 #: Own files are text of at most this size (bytes).
 _LARGEST = 1 << 20
+
+
+def run_files(
+    context: click.Context, option: click.Parameter, files: tuple[Path, ...]
+) -> tuple[Path, ...]:
+    """Run the files of an option ``--with``.
+
+    Raises
+    ------
+    InputError
+        See ``run_own``.
+    """
+    del context, option
+    for file in files:
+        run_own(file)
+    return files
+
+
+def own_files() -> tuple[Path, ...]:
+    """The files that were named before the command."""
+    files: tuple[Path, ...] = click.get_current_context().find_root().params.get("own", ())
+    return files
 
 
 def run_own(file: Path) -> None:

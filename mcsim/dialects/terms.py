@@ -4,29 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mcsim.sensor_terms import find_key
 from mcsim.units import KINDS, factor
-
-#: The kind of each key's quantity, for the accelerometer and for the gyroscope.
-KIND_OF = {
-    "noise_density": ("acceleration noise density", "angular rate noise density"),
-    "velocity_random_walk": ("velocity random walk",) * 2,
-    "angle_random_walk": ("angle random walk",) * 2,
-    "miscalibration": ("acceleration", "angular rate"),
-    "turn_on_bias": ("acceleration", "angular rate"),
-    "scale_factor_error": ("ratio", "ratio"),
-    "misalignment": ("angle", "angle"),
-    "g_sensitivity": ("g-sensitivity", "g-sensitivity"),
-    "bias_instability": ("acceleration", "angular rate"),
-    "acceleration_random_walk": ("acceleration random walk",) * 2,
-    "rate_random_walk": ("rate random walk",) * 2,
-    "gauss_markov.deviation": ("acceleration", "angular rate"),
-    "gauss_markov.correlation_time": ("time", "time"),
-    "resolution": ("acceleration", "angular rate"),
-    "range": ("acceleration", "angular rate"),
-    "bandwidth": ("frequency", "frequency"),
-    "spikes.rate": ("frequency", "frequency"),
-    "spikes.amplitude": ("acceleration", "angular rate"),
-}
 
 #: Keys of white noise as Allan's N.
 WHITE = ("velocity_random_walk", "angle_random_walk")
@@ -34,7 +13,7 @@ WHITE = ("velocity_random_walk", "angle_random_walk")
 
 def kind_of(key: str, element: str) -> str:
     """Name of the kind of quantity behind a key."""
-    return KIND_OF[key][element == "gyroscope"]
+    return find_key(key, element).kind_for(element)
 
 
 @dataclass(frozen=True)

@@ -1,36 +1,43 @@
-"""Pictures of results."""
+"""Pictures of results: another one is a file with a ``Picture`` and a line here."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from matplotlib.figure import Figure
+from mcsim.registry import Registry
 
-from mcsim.figures.single import draw_single
-from mcsim.figures.style import write_figure
-from mcsim.figures.sweeps import Column, draw_columns, draw_sweep
-from mcsim.figures.tracks import draw_over_time
-from mcsim.results import Results
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-__all__ = ["draw", "draw_over_time", "draw_side_by_side", "save_figures", "write_figure"]
-
-
-def draw(results: Results) -> Figure:
-    """The main figure of a run: curve families of a sweep, or the estimates of a single run."""
-    return draw_sweep(results) if results.scenario.axes else draw_single(results)
+    from mcsim.results import Results
 
 
-def draw_side_by_side(parts: list[Results], title: str) -> Figure:
-    """Several sweeps as columns of one figure."""
-    return draw_columns(
-        [Column(part, title=part.scenario.base.figure.title or "") for part in parts], title
-    )
+@dataclass(frozen=True)
+class Picture:
+    """One picture that a run leaves beside its tables, and ``mcsim plot`` draws again.
+
+    Attributes
+    ----------
+    name : str
+        Of its files, without ending.
+    wants : callable
+        ``wants(results) -> bool``: whether these results have what it shows.
+    paint : callable
+        ``paint(results) -> matplotlib.figure.Figure``.
+    """
+
+    name: str
+    wants: Callable[[Results], bool]
+    paint: Callable[[Results], Figure]
 
 
-def save_figures(results: Results, folder: Path) -> list[Path]:
-    """Write ``figure`` and, if the run kept tracks or histories, ``tracks`` as PNG and SVG."""
-    written = write_figure(draw(results), folder, "figure")
-    over_time = draw_over_time(results)
-    if over_time is not None:
-        written += write_figure(over_time, folder, "tracks")
-    return written
+#: Drawing imports matplotlib; the names are known without it.
+PICTURES: Registry[Picture] = Registry(
+    "picture",
+    later={
+        "figure": "mcsim.figures.whole:PICTURE",
+        "tracks": "mcsim.figures.tracks:PICTURE",
+    },
+)

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
-from mcsim.store import readable_errors, write_whole
+from mcsim.writing import Writer, readable_errors, write_together
 
 #: Decades that a range must span to be drawn on a logarithmic axis.
 LOG_DECADES = 1.3
@@ -73,27 +73,42 @@ def spans_decades(values: Sequence[float] | NDArray[np.float64]) -> bool:
     return bool(np.log10(finite.max() / finite.min()) > LOG_DECADES)
 
 
-def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Write ``name.png`` and ``name.svg``, whole or not at all, without a date inside."""
-    with house_style(), readable_errors(folder):
-        # Arranged once, and drawn once for each format: ``savefig`` would do both again.
+def printed(figure: Figure, name: str) -> dict[str, Writer]:
+    """What writes ``name.svg`` and ``name.png``, without a date inside, by the files' names."""
+    # Arranged once, and drawn once for each format: ``savefig`` would do both again.
+    with house_style():
         if (layout := figure.get_layout_engine()) is not None:
             layout.execute(figure)
             figure.set_layout_engine("none")
-        svg = write_whole(folder / f"{name}.svg", partial(_print_svg, figure))
-        png = write_whole(folder / f"{name}.png", partial(_print_png, figure))
-        return [png, svg]
+    return {f"{name}.svg": partial(_print_svg, figure), f"{name}.png": partial(_print_png, figure)}
+
+
+def write_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
+    """Write ``name.png`` and ``name.svg`` into ``folder``, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written.
+    """
+    files = {folder / file: write for file, write in printed(figure, name).items()}
+    with readable_errors(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        svg, png = write_together(files)
+    return [png, svg]
 
 
 def _print_svg(figure: Figure, path: Path) -> None:
     canvas: Any = FigureCanvasSVG(figure)
-    canvas.print_svg(path, metadata={"Date": None, "Creator": None})
+    with house_style():
+        canvas.print_svg(path, metadata={"Date": None, "Creator": None})
 
 
 def _print_png(figure: Figure, path: Path) -> None:
     figure.set_dpi(_DPI)
     canvas: Any = FigureCanvasAgg(figure)
-    canvas.print_png(path, metadata={"Software": None})
+    with house_style():
+        canvas.print_png(path, metadata={"Software": None})
 
 
 def log_scale(axes: Axes, which: Literal["x", "y"], values: Sequence[float]) -> None:

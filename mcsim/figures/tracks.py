@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from mcsim.figures import labels
+from mcsim.figures import Picture, labels
 from mcsim.figures.style import house_style
 from mcsim.results import Results
 from mcsim.scenario.error_quantities import SIGNS
@@ -24,8 +24,8 @@ _ALONG = "along [m]"
 _LONGEST_TRUE_TO_SCALE = 4.0
 
 
-def draw_over_time(results: Results) -> Figure | None:
-    """Tracks and fan charts of the first point; None if the run kept neither."""
+def draw_over_time(results: Results) -> Figure:
+    """Tracks and fan charts of the first point, of which the run kept one or both."""
     history = _first_point(results, results.history)
     tracks = _first_point(results, results.tracks)
     rows: list[Any] = []
@@ -36,8 +36,6 @@ def draw_over_time(results: Results) -> Figure | None:
         drawn = results.scenario.base.DRAWN
         pairs = [list(drawn[i : i + 2]) for i in range(0, len(drawn), 2)]
         rows += [pair if len(pair) == 2 else pair * 2 for pair in pairs]
-    if not rows:
-        return None
     with house_style():
         figure = Figure(figsize=(9.2, 3.1 * len(rows) + 0.6), layout="constrained")
         panels = figure.subplot_mosaic(rows)
@@ -53,6 +51,13 @@ def draw_over_time(results: Results) -> Figure | None:
             figure.legend(handles, texts, loc="outside lower center", ncols=4)
         figure.suptitle(_title(results), fontsize=10.5)
     return figure
+
+
+PICTURE = Picture(
+    "tracks",
+    wants=lambda results: results.tracks is not None or results.history is not None,
+    paint=draw_over_time,
+)
 
 
 def _first_point(results: Results, table: pd.DataFrame | None) -> pd.DataFrame | None:

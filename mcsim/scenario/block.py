@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic.fields import FieldInfo
 
 from mcsim.scenario.fields import reject
 
@@ -16,6 +18,45 @@ class Block(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, use_attribute_docstrings=True, defer_build=True
     )
+
+
+_heard: list[Callable[[], object]] = []
+
+
+def when_keys_change(hears: Callable[[], object]) -> None:
+    """Call ``hears`` whenever a block gets further keys: for what remembers what blocks hold."""
+    _heard.append(hears)
+
+
+def add_keys(block: type[Block], keys: Mapping[str, tuple[Any, Any]]) -> None:
+    """Give a block, and those that are made from it, further keys.
+
+    ``keys`` are annotations and fields by name, as ``pydantic.create_model`` takes them.  Where
+    blocks may be in use already, ``rebuild`` follows.
+    """
+    for model in _with_descendants(block):
+        for name, (annotation, field) in keys.items():
+            # What a subclass inherits it reads off the annotations.
+            model.__annotations__[name] = annotation
+            model.__pydantic_fields__[name] = FieldInfo.from_annotated_attribute(annotation, field)
+
+
+def rebuild() -> None:
+    """Build all models anew that have been built, after blocks have got further keys."""
+    built = [model for model in _with_descendants(Block) if model.__pydantic_complete__]
+    for model in built:
+        # A model takes what its blocks have been built to.
+        del model.__pydantic_core_schema__
+    for model in built:
+        model.model_rebuild(force=True)
+    for hears in _heard:
+        hears()
+
+
+def _with_descendants(block: type[Block]) -> Iterator[type[Block]]:
+    yield block
+    for child in block.__subclasses__():
+        yield from _with_descendants(child)
 
 
 def _no_boolean(value: Any) -> Any:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 
+from mcsim.scenario.block import when_keys_change
 from mcsim.scenario.document import PathKey, get_path
 from mcsim.scenario.fields import Quantity
 from mcsim.scenario.one_of import OneOf, one_of
@@ -48,6 +49,9 @@ def scalars(model: type[BaseModel]) -> dict[str, Scalar]:
 def _scalars(model: type[BaseModel], _: tuple[str, ...]) -> dict[str, Scalar]:
     """The paths, as long as the parts that blocks belong to are these."""
     return {scalar.path: scalar for scalar in _walk(model, "")}
+
+
+when_keys_change(_scalars.cache_clear)
 
 
 def find_scalar(model: type[BaseModel], path: str) -> Scalar | None:

@@ -1,46 +1,39 @@
 """The block that describes one sensing element's errors, as files and the catalogue write it.
 
-One set of keys serves sensor files, vibration scenarios and the catalogue.  A value
-is one quantity for all axes, or a list [x, y, z].
+One set of keys serves sensor files, vibration scenarios and the catalogue: those of the terms in
+``mcsim.sensor_terms``, also of terms that are added later.  A value is one quantity for all axes,
+or a list [x, y, z].
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     AfterValidator,
     BeforeValidator,
+    ConfigDict,
+    Field,
     GetJsonSchemaHandler,
     PrivateAttr,
     ValidationInfo,
+    create_model,
     model_validator,
 )
 from pydantic_core import CoreSchema
 
 from mcsim import catalogue
 from mcsim.errors import InputError
-from mcsim.scenario.block import Block
-from mcsim.scenario.fields import (
-    Acceleration,
-    AccelerationNoiseDensity,
-    AccelerationRandomWalk,
-    Angle,
-    AngleRandomWalk,
-    AngularRate,
-    Frequency,
-    GSensitivity,
-    NotNegative,
-    Positive,
-    RateNoiseDensity,
-    RateRandomWalk,
-    Ratio,
-    Time,
-    VelocityRandomWalk,
-    reject,
-)
+from mcsim.scenario.block import Block, add_keys, rebuild
+from mcsim.scenario.fields import NotNegative, Positive, Quantity, reject
+from mcsim.sensor_terms import TERMS
+from mcsim.sensor_terms.channel import ACCELEROMETER, GYROSCOPE, SIGNALS
+from mcsim.sensor_terms.mechanisms.mechanism import Acts, of_kind
+from mcsim.sensor_terms.mechanisms.offset import Offset
+from mcsim.sensor_terms.mechanisms.white import NOISE
+from mcsim.sensor_terms.term import InnerBlock, SensorKey, SensorTerm
 
 #: Axes of a sensor.
 N_AXES = 3
@@ -70,101 +63,96 @@ class OneOrThree:
 _PER_AXIS = (BeforeValidator(_per_axis), AfterValidator(_one_or_three), OneOrThree())
 
 
-Accelerations = Annotated[tuple[Annotated[Acceleration, NotNegative], ...], *_PER_AXIS]
-AccelerationRange = Annotated[tuple[Annotated[Acceleration, Positive], ...], *_PER_AXIS]
-AngularRates = Annotated[tuple[Annotated[AngularRate, NotNegative], ...], *_PER_AXIS]
-AngularRateRange = Annotated[tuple[Annotated[AngularRate, Positive], ...], *_PER_AXIS]
-Times = Annotated[tuple[Annotated[Time, Positive], ...], *_PER_AXIS]
-Ratios = Annotated[tuple[Annotated[Ratio, NotNegative], ...], *_PER_AXIS]
-Angles = Annotated[tuple[Annotated[Angle, NotNegative], ...], *_PER_AXIS]
-Frequencies = Annotated[tuple[Annotated[Frequency, Positive], ...], *_PER_AXIS]
-AccelerationNoiseDensities = Annotated[
-    tuple[Annotated[AccelerationNoiseDensity, NotNegative], ...], *_PER_AXIS
-]
-VelocityRandomWalks = Annotated[tuple[Annotated[VelocityRandomWalk, NotNegative], ...], *_PER_AXIS]
-AccelerationRandomWalks = Annotated[
-    tuple[Annotated[AccelerationRandomWalk, NotNegative], ...], *_PER_AXIS
-]
-RateNoiseDensities = Annotated[tuple[Annotated[RateNoiseDensity, NotNegative], ...], *_PER_AXIS]
-AngleRandomWalks = Annotated[tuple[Annotated[AngleRandomWalk, NotNegative], ...], *_PER_AXIS]
-RateRandomWalks = Annotated[tuple[Annotated[RateRandomWalk, NotNegative], ...], *_PER_AXIS]
-GSensitivities = Annotated[tuple[Annotated[GSensitivity, NotNegative], ...], *_PER_AXIS]
+def _quantity(key: SensorKey, element: str) -> Any:
+    """The type of a key's value."""
+    bound = Positive if key.positive else NotNegative
+    one = Annotated[float, Quantity(key.kind_for(element)), bound]
+    return Annotated[tuple[one, ...], *_PER_AXIS] if key.per_axis else one
 
 
-class AccelerationProcess(Block):
-    """A first-order Gauss-Markov process, in its stationary state."""
+class _Described(Block):
+    """A block whose keys bring their texts: nobody has to read its source for them."""
 
-    deviation: Accelerations
-    """Standard deviation of the process."""
-    correlation_time: Times
-    """Time after which the autocorrelation has fallen to 1/e."""
+    model_config = ConfigDict(use_attribute_docstrings=False)
 
 
-class RateProcess(Block):
-    """A first-order Gauss-Markov process, in its stationary state."""
-
-    deviation: AngularRates
-    """Standard deviation of the process."""
-    correlation_time: Times
-    """Time after which the autocorrelation has fallen to 1/e."""
-
-
-class AccelerationSpikes(Block):
-    """Outliers of either sign."""
-
-    rate: Annotated[Frequency, NotNegative]
-    """Mean number per second and axis (Poisson)."""
-    amplitude: Annotated[Acceleration, NotNegative]
-    """What a spike adds or takes away."""
+def _inner_block(inner: InnerBlock, keys: Sequence[SensorKey], element: str) -> type[Block]:
+    """The block within an element's block that holds the keys of one term."""
+    title = f"{'Acceleration' if element == ACCELEROMETER else 'Rate'}{inner.title}"
+    fields = {
+        key.name: (_quantity(key, element), Field(description=key.text or None)) for key in keys
+    }
+    return create_model(title, __base__=_Described, __doc__=inner.text, **fields)  # type: ignore[call-overload]
 
 
-class RateSpikes(Block):
-    """Outliers of either sign."""
+def _keys_of(term: SensorTerm, element: str) -> dict[str, tuple[Any, Any]]:
+    """What a term adds to an element's block: types and fields of its keys."""
+    keys = term.keys(element)
+    if term.inner and keys:
+        block = _inner_block(term.inner, keys, element)
+        return {term.inner.key: (block | None, Field(default=None))}
+    return {
+        key.name: (
+            _quantity(key, element) | None,
+            Field(default=None, description=key.text or None),
+        )
+        for key in keys
+    }
 
-    rate: Annotated[Frequency, NotNegative]
-    """Mean number per second and axis (Poisson)."""
-    amplitude: Annotated[AngularRate, NotNegative]
-    """What a spike adds or takes away."""
 
-
-class _Element(Block):
+class _Element(_Described):
     """What both elements have."""
 
-    model: str | None = None
-    """Name of a built-in sensor (`mcsim sensors`), or a sensor file such as `mcsim
-    characterise` writes; its values hold unless written here."""
-    scale_factor_error: Ratios | None = None
-    """Standard deviation of the scale factor error."""
-    misalignment: Angles | None = None
-    """Standard deviation of the angles between the axes. Gravity shows by them in the level axes,
-    in the planar case as well."""
-    bandwidth: Frequencies | None = None
-    """First-order low-pass, -3 dB."""
+    ELEMENT: ClassVar[str]
+    model: str | None = Field(
+        default=None,
+        description="Name of a built-in sensor (`mcsim sensors`), or a sensor file such as `mcsim "
+        "characterise` writes; its values hold unless written here.",
+    )
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether white noise is given, in one way or the other; zero is given."""
+        return bool(self.values_of(TERMS[NOISE]))
+
+    def values_of(self, term: SensorTerm) -> dict[str, Any]:
+        """The values that are written of a term, by the roles of its keys: SI, or tuples of it."""
+        block = self if term.inner is None else getattr(self, term.inner.key, None)
+        if block is None:
+            return {}
+        written = {key: getattr(block, key.name) for key in term.keys(self.ELEMENT)}
+        return {key.role or key.name: v for key, v in written.items() if v is not None}
+
+    def acts_on(self, axis: int) -> Acts:
+        """What acts on one axis, by the names of the terms; what is not written is absent."""
+        written = {name: self.values_of(term) for name, term in TERMS.items()}
+        return {
+            name: TERMS[name].acts(**{role: _of_axis(v, axis) for role, v in values.items()})
+            for name, values in written.items()
+            if values
+        }
+
+    def assumed_left(self) -> Iterator[str]:
+        """Terms that stand for what a calibration leaves, where they are not zero."""
+        for axis in range(N_AXES):
+            for name, act in of_kind(self.acts_on(axis), Offset).items():
+                if act.assumed and act.deviation > 0.0:
+                    yield name
+
+    @model_validator(mode="after")
+    def _given_once(self) -> Self:
+        for term in filter(lambda term: term.alternatives, TERMS.values()):
+            names = [key.name for key in term.keys(self.ELEMENT)]
+            given = [name for name in names if getattr(self, name) is not None]
+            if len(given) > 1:
+                raise reject(f"`{given[0]}` and `{given[1]}` say the same thing twice; keep one")
+        return self
 
 
 class AccelerometerErrors(_Element):
     """Errors of an accelerometer; absent ones do not exist."""
 
-    noise_density: AccelerationNoiseDensities | None = None
-    """White noise, one-sided density as data sheets print it."""
-    velocity_random_walk: VelocityRandomWalks | None = None
-    """White noise as Allan's N (two-sided), instead of `noise_density`."""
-    miscalibration: Accelerations | None = None
-    """Standard deviation of the constant offset."""
-    turn_on_bias: Accelerations | None = None
-    """Standard deviation of the bias drawn at each turn-on."""
-    bias_instability: Accelerations | None = None
-    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B. Its correlation times
-    reach to ten times the run (with `calibration` or `levelling`, run and rests together; in the
-    velocity case, the rest and all runs)."""
-    acceleration_random_walk: AccelerationRandomWalks | None = None
-    """Allan's K."""
-    gauss_markov: AccelerationProcess | None = None
-    resolution: Accelerations | None = None
-    """Quantisation step."""
-    range: AccelerationRange | None = None
-    """Saturation, plus and minus."""
-    spikes: AccelerationSpikes | None = None
+    ELEMENT = ACCELEROMETER
     _built_in: catalogue.Sensor | None = PrivateAttr(None)
 
     @property
@@ -176,50 +164,37 @@ class AccelerometerErrors(_Element):
         """Say which built-in sensor it is; a sensor's name and its file are read outside."""
         self._built_in = sensor
 
-    @model_validator(mode="after")
-    def _noise_given_once(self) -> AccelerometerErrors:
-        if self.noise_density is not None and self.velocity_random_walk is not None:
-            raise reject(
-                "`noise_density` and `velocity_random_walk` say the same thing twice; keep one"
-            )
-        return self
-
 
 class GyroscopeErrors(_Element):
     """Errors of a gyroscope; absent ones do not exist."""
 
-    noise_density: RateNoiseDensities | None = None
-    """White noise, one-sided density as data sheets print it."""
-    angle_random_walk: AngleRandomWalks | None = None
-    """White noise as Allan's N (two-sided), instead of `noise_density`."""
-    miscalibration: AngularRates | None = None
-    """Standard deviation of the constant offset."""
-    turn_on_bias: AngularRates | None = None
-    """Standard deviation of the bias drawn at each turn-on."""
-    g_sensitivity: GSensitivities | None = None
-    """Standard deviation of the bias that an acceleration brings."""
-    bias_instability: AngularRates | None = None
-    """Flicker noise, Allan's B; the floor of the Allan deviation is 0.664 B. Its correlation times
-    reach to ten times the run (with `calibration` or `levelling`, run and rests together)."""
-    rate_random_walk: RateRandomWalks | None = None
-    """Allan's K."""
-    gauss_markov: RateProcess | None = None
-    resolution: AngularRates | None = None
-    """Quantisation step."""
-    range: AngularRateRange | None = None
-    """Saturation, plus and minus."""
-    spikes: RateSpikes | None = None
-
-    @model_validator(mode="after")
-    def _noise_given_once(self) -> GyroscopeErrors:
-        if self.noise_density is not None and self.angle_random_walk is not None:
-            raise reject(
-                "`noise_density` and `angle_random_walk` say the same thing twice; keep one"
-            )
-        return self
+    ELEMENT = GYROSCOPE
 
 
-NOISE_KEYS = {"noise_density", "velocity_random_walk", "angle_random_walk"}
+def _of_axis(value: Any, axis: int) -> float:
+    """A value for all axes, or that of one of them."""
+    values = value if isinstance(value, tuple) else (value,)
+    return float(values[axis] if len(values) > 1 else values[0])
+
+
+def _hold(term: SensorTerm) -> None:
+    """Let the elements' blocks hold the keys of a term."""
+    for block in (AccelerometerErrors, GyroscopeErrors):
+        add_keys(block, _keys_of(term, block.ELEMENT))
+
+
+def _hear(term: SensorTerm) -> None:
+    """A term is added when blocks may be in use."""
+    _hold(term)
+    rebuild()
+
+
+for _term in TERMS.values():
+    _hold(_term)
+TERMS.tell(_hear)
+
+#: Ways to write white noise.
+NOISE_KEYS = {key.name for element in SIGNALS for key in TERMS[NOISE].keys(element)}
 
 
 #: Reads an element of a sensor file: its quantities, as text.

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, ConfigDict, model_validator
 
 from mcsim import catalogue
 from mcsim.catalogue import ELEMENTS, ORIGINS
@@ -59,6 +59,7 @@ class GyroscopeAxes(Block):
 class AccelerometerOfFile(AccelerometerErrors):
     """An accelerometer, and what a file may say beside its errors."""
 
+    model_config = ConfigDict(use_attribute_docstrings=True)
     rate: Annotated[Frequency, Positive] | None = None
     """Rate of the log or of the parameters."""
     axes: AccelerometerAxes | None = None
@@ -75,6 +76,7 @@ class AccelerometerOfFile(AccelerometerErrors):
 class GyroscopeOfFile(GyroscopeErrors):
     """A gyroscope, and what a file may say beside its errors."""
 
+    model_config = ConfigDict(use_attribute_docstrings=True)
     rate: Annotated[Frequency, Positive] | None = None
     """Rate of the log or of the parameters."""
     axes: GyroscopeAxes | None = None

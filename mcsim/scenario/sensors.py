@@ -11,6 +11,7 @@ from mcsim.scenario.block import Block
 from mcsim.scenario.fields import Frequency, NotNegative, Positive, Time, reject
 from mcsim.scenario.named_sensor import CONSTANTS, KIND, named_element
 from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors, is_file
+from mcsim.sensor_terms import TERMS
 
 
 class Accelerometer(AccelerometerErrors):
@@ -18,7 +19,7 @@ class Accelerometer(AccelerometerErrors):
 
     @model_validator(mode="after")
     def _noise_given(self) -> Accelerometer:
-        if self.noise_density is None and self.velocity_random_walk is None:
+        if not self.has_noise:
             raise _no_noise(self.model, "accelerometer", "2.2e-3 m/s²/√Hz")
         return self
 
@@ -28,7 +29,7 @@ class Gyroscope(GyroscopeErrors):
 
     @model_validator(mode="after")
     def _noise_given(self) -> Gyroscope:
-        if self.noise_density is None and self.angle_random_walk is None:
+        if not self.has_noise:
             raise _no_noise(self.model, "gyroscope", "0.03 °/s/√Hz")
         return self
 
@@ -89,13 +90,10 @@ class Sensors(Block):
 
     @model_validator(mode="after")
     def _calibrated_or_assumed(self) -> Sensors:
-        if self.calibration is not None:
-            for name, element in (
-                ("accelerometer", self.accelerometer),
-                ("gyroscope", self.gyroscope),
-            ):
-                if any(element.miscalibration or ()):
-                    raise reject(
-                        f"calibration replaces the miscalibration: remove `{name}.miscalibration`"
-                    )
+        if self.calibration is None:
+            return self
+        for element in (self.accelerometer, self.gyroscope):
+            for name in element.assumed_left():
+                path, _ = next(TERMS[name].paths(element.ELEMENT))
+                raise reject(f"calibration replaces the {name}: remove `{element.ELEMENT}.{path}`")
         return self

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import permutations, product
 from typing import TYPE_CHECKING, Any
 
 from mcsim.scenario.document import get_path
 from mcsim.scenario.idle import IdleKey
 from mcsim.scenario.paths import split_path
+from mcsim.sensor_terms import TERMS
+from mcsim.sensor_terms.channel import SIGNALS
 from mcsim.systems import SYSTEMS
 from mcsim.tracks import idle_keys
 
@@ -36,7 +39,15 @@ def _off(element: str, block: str, deciding: str, idle: str) -> IdleKey:
     return IdleKey(f"{path}.{idle}", (f"{path}.{deciding}",), off, f"`{path}.{deciding}` is zero")
 
 
-#: Keys of blocks that several cases have.
+def of_terms() -> Iterator[IdleKey]:
+    """Keys within sensor terms that are written beside a zero."""
+    for element, term in product(SIGNALS, TERMS.values()):
+        for scale, key in permutations(term.keys(element), 2):
+            if term.inner and scale.scales:
+                yield _off(element, term.inner.key, scale.name, key.name)
+
+
+#: Keys of blocks that several cases have, beside those of sensor terms.
 COMMON: tuple[IdleKey, ...] = (
     IdleKey(
         "monte_carlo.max_realizations",
@@ -48,15 +59,6 @@ COMMON: tuple[IdleKey, ...] = (
     _beside_linear("confidence", "a linear answer has no intervals"),
     _beside_linear("resamples", "a linear answer has no intervals"),
     _beside_linear("offsets", "a linear answer draws no offsets"),
-    *(
-        rule
-        for element in ("accelerometer", "gyroscope")
-        for rule in (
-            _off(element, "gauss_markov", "deviation", "correlation_time"),
-            _off(element, "spikes", "rate", "amplitude"),
-            _off(element, "spikes", "amplitude", "rate"),
-        )
-    ),
     IdleKey(
         "trajectory.side_slip_profile",
         ("trajectory.side_slip", "trajectory.shape"),
@@ -75,7 +77,8 @@ def _sentences(scenario: Scenario) -> Iterator[str]:
     swept = [axis.path for axis in scenario.axes]
     document = scenario.document
     of_track = idle_keys(getattr(scenario.base, "trajectory", None))
-    for rule in (*COMMON, *of_track, *SYSTEMS[scenario.base.case].idle):
+    own = (*of_terms(), *of_track, *SYSTEMS[scenario.base.case].idle)
+    for rule in (*COMMON, *own):
         keys = split_path(rule.path)
         written = get_path(document.tree, keys) is not None or rule.path in swept
         decided = any(path.startswith(rule.deciding) for path in swept if path != rule.path)

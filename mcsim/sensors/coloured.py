@@ -1,58 +1,20 @@
-"""In-run noise as a sum of first-order processes, and what calibration leaves of it."""
+"""In-run noise as innovations of the samples, and what calibration leaves of it."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.sensors.noise_processes import flicker_processes
+from mcsim.sensor_terms.mechanisms.process import Processes
 
 Array = NDArray[np.float64]
 
 #: Prior deviation of a bias that a Kalman filter is to find, in deviations of everything else.
 _DIFFUSE = 1e4
-#: Names of the terms in budgets.
-FLICKER, WALK, DRIFT, LEFT_OVER = (
-    "bias instability",
-    "random walk",
-    "Gauss-Markov drift",
-    "bias left by calibration",
-)
-
-
-@dataclass(frozen=True)
-class Processes:
-    """First-order processes whose sum is a channel's coloured noise.
-
-    ``decay`` and ``step_variance`` (m,) per sample; ``start`` (m, m) is their covariance at the
-    first sample; ``terms`` says which of them belong to which term of the error model.
-    """
-
-    decay: Array
-    step_variance: Array
-    start: Array
-    terms: Mapping[str, slice]
-
-    @property
-    def count(self) -> int:
-        return len(self.decay)
-
-    def scaled(self, factor: float) -> Processes:
-        """The same noise in another unit."""
-        return replace(
-            self, step_variance=factor**2 * self.step_variance, start=factor**2 * self.start
-        )
-
-    def only(self, term: str) -> Processes:
-        """One term alone."""
-        own = self.terms[term]
-        return Processes(
-            self.decay[own], self.step_variance[own], self.start[own, own], {term: slice(None)}
-        )
+#: Its name in budgets.
+LEFT_OVER = "bias left by calibration"
 
 
 @dataclass(frozen=True)
@@ -62,58 +24,6 @@ class Innovations:
     deviations: Array
     gains: Array
     decay: Array
-
-
-NO_PROCESSES = Processes(np.zeros(0), np.zeros(0), np.zeros((0, 0)), {})
-
-
-def processes_of(
-    bias_instability: float,
-    random_walk: float,
-    drift: float,
-    correlation_time: float,
-    interval: float,
-    duration: float,
-) -> Processes:
-    """The processes of one channel.
-
-    Parameters
-    ----------
-    bias_instability : float
-        Allan's B; flicker noise is approximated by Gauss-Markov processes, see
-        ``flicker_processes``.
-    random_walk : float
-        Allan's K; from zero, with steps of ``K √dt``.
-    drift, correlation_time : float
-        Deviation and correlation time of a Gauss-Markov process in its stationary state,
-        Eq. (3.27)-(3.29) of the thesis; an infinite time makes it a constant.
-    interval, duration : float
-        Sampling interval and length of the run (s).
-    """
-    decay: list[float] = []
-    steps: list[float] = []
-    start: list[float] = []
-    terms: dict[str, slice] = {}
-
-    def add(term: str, times: Array, variance: float) -> None:
-        terms[term] = slice(len(decay), len(decay) + len(times))
-        for time in times:
-            decay.append(math.exp(-interval / time))
-            # expm1 keeps the small steps of long correlation times.
-            steps.append(-variance * math.expm1(-2.0 * interval / time))
-            start.append(variance)
-
-    if bias_instability > 0.0:
-        times, variance = flicker_processes(interval, duration)
-        add(FLICKER, times, bias_instability**2 * variance)
-    if drift > 0.0:
-        add(DRIFT, np.array([correlation_time]), drift**2)
-    if random_walk > 0.0:
-        terms[WALK] = slice(len(decay), len(decay) + 1)
-        decay.append(1.0)
-        steps.append(random_walk**2 * interval)
-        start.append(0.0)
-    return Processes(np.array(decay), np.array(steps), np.diag(np.array(start)), terms)
 
 
 def innovations_of(processes: Processes, white: float, count: int) -> Innovations:

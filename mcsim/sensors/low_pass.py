@@ -1,10 +1,11 @@
-"""Limited bandwidth: a first-order low-pass between the ideal signal and the samples."""
+"""Limited bandwidth: the signals of a drive behind each channel's low-pass."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.sensor_terms.mechanisms import low_pass
 from mcsim.sensors.sampling import IIR_HALF_LENGTH, Signals, oversampling
 
 Array = NDArray[np.float64]
@@ -26,7 +27,7 @@ def behind_low_pass(
     times = np.arange(start - reach, start + count / rate + reach + step, step)
     dense = signals(times, step)
     filtered = np.stack(
-        [_filtered(channel, f, step) for channel, f in zip(dense, bandwidths, strict=True)]
+        [low_pass.filtered(channel, f, step) for channel, f in zip(dense, bandwidths, strict=True)]
     )
 
     def after(t: Array, width: float) -> Array:
@@ -39,17 +40,3 @@ def behind_low_pass(
         )
 
     return after
-
-
-def _filtered(x: Array, bandwidth: float, step: float) -> Array:
-    """Exact for an input that is linear between the samples."""
-    from scipy.signal import lfilter
-
-    if not np.isfinite(bandwidth):
-        return x
-    ratio = 2.0 * np.pi * bandwidth * step
-    decay = np.exp(-ratio)
-    gone = -np.expm1(-ratio) / ratio
-    new, old = 1.0 - gone, gone - decay
-    filtered, _ = lfilter([new, old], [1.0, -decay], x, zi=[(old + decay) * x[0]])
-    return np.asarray(filtered, float)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError
-from mcsim.sensors.coloured import Innovations, Processes, innovations_of
-from mcsim.sensors.error_model import ChannelErrors, noise_at_rest, saturates
+from mcsim.sensor_terms.mechanisms import event, jitter, mixing, offset, white
+from mcsim.sensor_terms.mechanisms.digitise import QUANTISATION, rounding_variances
+from mcsim.sensor_terms.mechanisms.process import Processes
+from mcsim.sensors.coloured import Innovations, innovations_of
+from mcsim.sensors.error_model import ChannelErrors, saturates
 from mcsim.sensors.rest import (
     MeanAtRest,
     after_rest,
     rest_and_run,
-    rounding_variances,
     spread_at_rest,
     term_variances,
 )
@@ -123,7 +125,7 @@ class Measurement:
             errors, own, _WIDE * _spread(errors, signals, count)
         )
         digital = ranged or bool(np.any(errors.resolutions))
-        probability = np.minimum(errors.spike_rates * interval, 1.0)
+        probability = event.probability(errors.spike_rates, interval)
         spiky = bool(np.any(probability * errors.spike_amplitudes))
         coloured = any(p.count for p in errors.processes)
         plain = not (errors.mixing or coloured or digital or spiky or errors.time_jitter > 0.0)
@@ -138,16 +140,14 @@ class Measurement:
             innovations=()
             if plain
             else tuple(
-                innovations_of(p, float(white), count - first)
-                for (p, _), white in zip(levelled, errors.white, strict=True)
+                innovations_of(p, float(deviation), count - first)
+                for (p, _), deviation in zip(levelled, errors.white, strict=True)
             ),
             means=tuple(mean for _, mean in levelled),
-            jitter=np.gradient(own[first:], axis=0) * (errors.time_jitter / interval)
+            jitter=jitter.slopes(own[first:], errors.time_jitter, interval)
             if errors.time_jitter > 0.0
             else np.zeros((0, c)),
-            spike_thresholds=np.round(probability * 2.0**31).astype(np.uint32)
-            if spiky
-            else np.zeros(0, np.uint32),
+            spike_thresholds=event.thresholds_of(probability) if spiky else np.zeros(0, np.uint32),
             spike_amplitudes=errors.spike_amplitudes if spiky else np.zeros(0),
             ranges=errors.ranges if digital else np.zeros(0),
             resolutions=errors.resolutions if digital else np.zeros(0),
@@ -221,14 +221,8 @@ class Measurement:
 
     def _mixing_weights(self, weights: Array, signals: Array, at_rest: AtRest | None) -> Array:
         """Linear errors (e, m) per unit normal of each mixing coefficient."""
-        columns = []
-        for m in self.errors.mixing:
-            column = weights[:, :, m.target] @ (signals[:, m.source] - m.calibrated)
-            if at_rest is not None:
-                still = at_rest.signals[m.source] - m.calibrated
-                column = column + at_rest.weights[:, m.target] * still
-            columns.append(column * m.deviation)
-        return np.stack(columns, axis=1) if columns else np.zeros((len(weights), 0))
+        rest = None if at_rest is None else (at_rest.weights, at_rest.signals)
+        return mixing.weights_of(self.errors.mixing, weights, signals, rest)
 
     def variances(
         self, weights: Array, signals: Array, at_rest: AtRest | None = None
@@ -237,49 +231,60 @@ class Measurement:
 
         Parameters as in ``fold``.
         """
-        errors = self.errors
-        of_white = np.sum((weights * self.white) ** 2, axis=1)
-        of_offset = _of_offsets(weights, at_rest) ** 2
-        rest = np.zeros_like(of_offset) if at_rest is None else at_rest.weights
         found: dict[str, Array] = {}
-
-        def add(source: str, variance: Array) -> None:
+        for source, variance in self._shares(weights, signals, at_rest):
             found[source] = found.get(source, 0.0) + variance
+        return found
 
+    def _shares(
+        self, weights: Array, signals: Array, at_rest: AtRest | None
+    ) -> Iterator[tuple[str, Array]]:
+        """Sources with variances (e,), channel by channel."""
+        errors = self.errors
+        of_white = white.variances(weights, self.white)
+        of_offset = _of_offsets(weights, at_rest)
+        rest = np.zeros_like(of_offset) if at_rest is None else at_rest.weights
         for k, element in enumerate(errors.elements):
-            add(f"{element} noise", of_white[:, k])
-            for source, deviation in (
-                ("miscalibration", errors.miscalibration),
-                ("turn-on bias", errors.turn_on_bias),
-            ):
-                add(f"{element} {source}", of_offset[:, k] * deviation[k] ** 2)
+            yield f"{element} {white.NOISE}", of_white[:, k]
+            for source, deviation in errors.constants.items():
+                yield f"{element} {source}", offset.variance(of_offset[:, k], deviation[k])
             own = weights[:, self.first :, k], rest[:, k], errors.processes[k]
             levelled = errors.levelling, errors.levels(k)
             for term, variance in term_variances(*own, *levelled).items():
-                add(f"{element} {term}", variance)
-            if not (errors.resolutions[k] or len(self.spike_thresholds)):
-                continue
+                yield f"{element} {term}", variance
             each = np.sum(weights[:, :, k] ** 2, axis=1)
-            # A rounding error is uniform over a step, where the noise is no smaller.
-            resolution = float(errors.resolutions[k])
-            rounding = each * resolution**2 / 12.0
-            lasting, _ = rounding_variances(resolution, self.means[k].spread)
-            rounding = rounding + rest[:, k] ** 2 * lasting
-            if errors.calibration:
-                spread = float(errors.calibration_spread[k])
-                _, averaging = rounding_variances(resolution, spread)
-                rounding = rounding + of_offset[:, k] * averaging / errors.calibration
-            add(f"{element} quantisation", rounding)
+            if errors.resolutions[k]:
+                rounding = self._rounding(k, each, rest[:, k], of_offset[:, k])
+                yield f"{element} {QUANTISATION}", rounding
             if len(self.spike_thresholds):
-                probability = float(self.spike_thresholds[k]) * 2.0**-31
-                add(f"{element} spikes", each * probability * errors.spike_amplitudes[k] ** 2)
+                spikes = float(self._spike_probability[k]), float(self.spike_amplitudes[k])
+                yield f"{element} {event.SPIKES}", event.variance(each, *spikes)
         mixed = self._mixing_weights(weights, signals, at_rest)
         for column, entry in enumerate(errors.mixing):
-            add(entry.term, mixed[:, column] ** 2)
+            yield entry.term, mixed[:, column] ** 2
         if len(self.jitter):
-            common = np.einsum("enc,nc->en", weights[:, self.first :], self.jitter)
-            add("sample-time jitter", np.sum(common**2, axis=1))
-        return found
+            yield jitter.JITTER, jitter.variance(weights[:, self.first :], self.jitter)
+
+    def _rounding(self, k: int, each: Array, rest: Array, offset: Array) -> Array:
+        """Variance (e,) of a channel's rounding errors.
+
+        ``each`` (e,) are sums of the samples' squared weights, ``rest`` and ``offset`` (e,) the
+        weights of the mean at rest and of a constant.
+        """
+        resolution = float(self.errors.resolutions[k])
+        # A rounding error is uniform over a step, where the noise is no smaller.
+        rounding = each * resolution**2 / 12.0
+        lasting, _ = rounding_variances(resolution, self.means[k].spread)
+        rounding = rounding + rest**2 * lasting
+        if self.errors.calibration:
+            spread = float(self.errors.calibration_spread[k])
+            _, averaging = rounding_variances(resolution, spread)
+            rounding = rounding + offset**2 * averaging / self.errors.calibration
+        return rounding
+
+    @property
+    def _spike_probability(self) -> Array:
+        return event.drawn_probability(self.spike_thresholds)
 
     def levelling_noise(self, at_rest: AtRest) -> Array:
         """Variance (e,) by what changes from sample to sample while the attitude is levelled."""
@@ -296,18 +301,10 @@ class Measurement:
         return np.asarray(at_rest.weights**2 @ variances / errors.levelling, float)
 
     def spike_events(self, weights: Array) -> Array:
-        """How many spikes of equal weight a realization has on average, per error (e,).
-
-        A sum of spikes with weights w has the variance ``V = sum p (w a)^2`` and the fourth
-        cumulant ``C = sum p (w a)^4``; as many equal ones as ``V^2 / C`` have the same.
-        """
+        """How many spikes of equal weight a realization has on average, per error (e,)."""
         if not len(self.spike_thresholds):
             return np.zeros(len(weights))
-        probability = self.spike_thresholds * 2.0**-31
-        heights = weights * self.spike_amplitudes
-        second = np.sum(probability * heights**2, axis=(1, 2))
-        fourth = np.sum(probability * heights**4, axis=(1, 2))
-        return np.divide(second**2, fourth, out=np.zeros(len(weights)), where=fourth > 0.0)
+        return event.equal_events(weights, self._spike_probability, self.spike_amplitudes)
 
 
 def _levelled(errors: ChannelErrors, k: int) -> tuple[Processes, MeanAtRest]:
@@ -322,7 +319,7 @@ def _levelled(errors: ChannelErrors, k: int) -> tuple[Processes, MeanAtRest]:
 
 def _noise_at_rest(errors: ChannelErrors, k: int) -> float:
     spikes = float(errors.spike_rates[k]) * errors.interval
-    return noise_at_rest(float(errors.white[k]), spikes, float(errors.spike_amplitudes[k]))
+    return event.with_spikes(float(errors.white[k]), spikes, float(errors.spike_amplitudes[k]))
 
 
 def _of_offsets(weights: Array, at_rest: AtRest | None) -> Array:

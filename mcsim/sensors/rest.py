@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.sensor_terms.mechanisms.process import Processes
 from mcsim.sensors.coloured import (
     Innovations,
-    Processes,
     folded_with_start,
     innovations_of,
     with_mean,
@@ -24,8 +24,6 @@ Array = NDArray[np.float64]
 
 #: Share of a variance that is rounding, where all of it is known.
 _ROUNDING = 1e-12
-#: Terms of the Fourier series of a rounding error, and the noise in steps below which none is.
-_HARMONICS, _STILL = 400, 2e-3
 
 
 @dataclass(frozen=True)
@@ -82,26 +80,6 @@ def after_rest(
     start[known, :] = 0.0
     start[:, known] = 0.0
     return replace(processes, start=start), MeanAtRest(deviation, gains, spread)
-
-
-def rounding_variances(resolution: float, spread: float) -> tuple[float, float]:
-    """Variances of what rounding adds to a mean: the part that no averaging takes away, and
-    that of one sample, for averaging.
-
-    Values in steps of ``resolution`` under normal noise of deviation ``spread`` (Widrow & Kollar,
-    *Quantization Noise*, ch. 9), over all places between two steps.  Without noise the mean is
-    rounded as each sample is, q²/12; noise of a step or more leaves q²/12 per sample.
-    """
-    whole = resolution**2 / 12.0
-    if spread <= _STILL * resolution:
-        return whole, 0.0
-    if resolution == 0.0:
-        return 0.0, 0.0
-    k = np.arange(1.0, _HARMONICS)
-    damped = np.exp(-((2.0 * np.pi * k * spread / resolution) ** 2))
-    lasting = resolution**2 / (2.0 * math.pi**2) * float(np.sum(damped / k**2))
-    single = whole - lasting - 2.0 * spread**2 * float(np.sum(damped))
-    return lasting, max(0.0, single)
 
 
 def rest_and_run(

@@ -9,13 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from mcsim.scenario.sensors import Sensors
-from mcsim.sensors.error_model import (
-    ACCELEROMETER,
-    Channel,
-    ChannelErrors,
-    channel_errors,
-    per_interval,
-)
+from mcsim.sensor_terms.channel import ACCELEROMETER, Channel
+from mcsim.sensors.error_model import ChannelErrors, channel_errors, per_interval
 from mcsim.simulation.planar import CHANNELS, RATES
 from mcsim.simulation.planar_samples import course_missing, sample_count, sampled
 from mcsim.simulation.problem import Array

@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mcsim.sensors.coloured import FLICKER
-from mcsim.sensors.error_model import GYROSCOPE, ChannelErrors
+from mcsim.sensor_terms import bias_instability
+from mcsim.sensor_terms.channel import GYROSCOPE
+from mcsim.sensors.error_model import ChannelErrors
 from mcsim.sensors.measurement import Measurement
 from mcsim.simulation.problem import Array, Limit
 
@@ -138,7 +139,9 @@ def _jitter(errors: ChannelErrors, signals: Array, interval: float) -> Iterator[
 
 
 def _flicker(errors: ChannelErrors, samples: int) -> Iterator[Limit]:
-    if samples < _FLICKER_SAMPLES and any(FLICKER in p.terms for p in errors.processes):
+    if samples < _FLICKER_SAMPLES and any(
+        bias_instability.TERM.name in p.terms for p in errors.processes
+    ):
         yield Limit(
             f"bias_instability: a run of {samples} samples is too short for the model of flicker "
             f"noise, which is accurate from five samples to a tenth of the run; it needs "

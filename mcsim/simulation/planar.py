@@ -11,7 +11,7 @@ import numpy as np
 
 from mcsim.kernels import planar
 from mcsim.scenario.initial import Initial
-from mcsim.sensors.error_model import ACCELEROMETER, GYROSCOPE, Channel
+from mcsim.sensor_terms.channel import ACCELEROMETER, GYROSCOPE, Channel
 from mcsim.sensors.measurement import Measurement
 from mcsim.simulation.linear_errors import Weights
 from mcsim.simulation.nets import net_normals

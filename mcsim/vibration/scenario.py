@@ -100,7 +100,7 @@ def read_vibration(path: Path, sensor: str | None = None) -> VibrationScenario:
         document = replace(document, folder=Path())
     scenario = validate(document, VibrationScenario)
     errors = scenario.sensor
-    if errors.model and errors.noise_density is None and errors.velocity_random_walk is None:
+    if errors.model and not errors.has_noise:
         raise InputError(
             f"{document.place(('sensor',))}: sensor: {errors.model}: its source gives no noise "
             f"density; write `sensor: {{model: {errors.model}, noise_density: …}}`"

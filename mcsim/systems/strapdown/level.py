@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mcsim.sensors.error_model import Mixing, channel_errors, per_interval
+from mcsim.sensor_terms.mechanisms.mixing import Mixing
+from mcsim.sensors.error_model import channel_errors, per_interval
 from mcsim.simulation.lengths import length_quantile
 from mcsim.simulation.limits import duration_limits
 from mcsim.simulation.linear_errors import beyond_controls, length_moments

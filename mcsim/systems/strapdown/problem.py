@@ -12,13 +12,8 @@ from typing import Any
 import numpy as np
 
 from mcsim.kernels import strapdown
-from mcsim.sensors.error_model import (
-    ACCELEROMETER,
-    GYROSCOPE,
-    Channel,
-    channel_errors,
-    per_interval,
-)
+from mcsim.sensor_terms.channel import ACCELEROMETER, GYROSCOPE, Channel
+from mcsim.sensors.error_model import channel_errors, per_interval
 from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights
 from mcsim.simulation.limits import duration_limits, passing, pitch_limits, tilt_limits
 from mcsim.simulation.linear_errors import Weights

@@ -10,16 +10,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.sensors.error_model import (
-    ACCELEROMETER,
-    Channel,
-    ChannelErrors,
-    element_errors,
-    scaled,
-)
-from mcsim.sensors.signal_errors import signal_errors
+from mcsim.sensor_terms.channel import ACCELEROMETER, Channel
+from mcsim.sensors.error_model import ChannelErrors, element_errors, scaled
 from mcsim.systems.velocity.scenario import VelocityScenario
-from mcsim.units import sample_deviation
 
 Array = NDArray[np.float64]
 
@@ -34,8 +27,8 @@ def raw_noise(model: VelocityScenario) -> Array:
     sensor = model.sensor
     if sensor.noise is not None:
         return np.array([sensor.noise.x, sensor.noise.y, sensor.noise.z])
-    density = signal_errors(sensor.terms).noise_density
-    return sample_deviation(1.0, sensor.rate) * density / model.gravity.estimate
+    errors = element_errors({ACCELEROMETER: sensor.terms}, sensor.rate, AXES, 0.0)
+    return errors.white / model.gravity.estimate
 
 
 def raw_errors(model: VelocityScenario) -> ChannelErrors:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mcsim.sensor_terms.mechanisms.low_pass import Hold
 from mcsim.simulation.problem import Array
 from mcsim.systems.velocity.scenario import Calibration, VelocityScenario
 from mcsim.systems.velocity.truth import RunMotion, run_motion, within_intervals
@@ -76,11 +77,9 @@ def _low_pass_states(dense: Array, rest: float, bandwidth: float, rate: float) -
     from scipy.signal import lfilter
 
     k = dense.shape[1] - 1
-    ratio = 2.0 * np.pi * bandwidth / (k * rate)
-    decay = np.exp(-ratio)
-    gone = -np.expm1(-ratio) / ratio
-    pushes = (gone - decay) * dense[:, :-1] + (1.0 - gone) * dense[:, 1:]
-    states, _ = lfilter([1.0], [1.0, -decay], pushes.ravel(), zi=[decay * rest])
+    hold = Hold.of(2.0 * np.pi * bandwidth / (k * rate))
+    pushes = hold.old * dense[:, :-1] + hold.new * dense[:, 1:]
+    states, _ = lfilter([1.0], [1.0, -hold.decay], pushes.ravel(), zi=[hold.decay * rest])
     return np.append(rest, states[k - 1 :: k])
 
 

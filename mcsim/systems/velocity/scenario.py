@@ -141,9 +141,7 @@ class RawAccelerometer(Block):
     @model_validator(mode="after")
     def _noise_given(self) -> RawAccelerometer:
         block = self.accelerometer
-        if self.noise is None and (
-            block is None or (block.noise_density is None and block.velocity_random_walk is None)
-        ):
+        if self.noise is None and (block is None or not block.has_noise):
             source = "" if block is None or block.model is None else f"{block.model}: "
             raise reject(
                 f"{source}no noise is given; write `noise: {{x: 3.8e-3 g, y: 3.0e-3 g, z: 4.9e-3 "

@@ -1,0 +1,1 @@
+"""What the command line and programs of others call: its functions are public names of mcsim."""
