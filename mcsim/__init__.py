@@ -125,7 +125,6 @@ _WHERE = {
     "percentile": "mcsim.statistics",
     "samples_of": "mcsim.simulation.driven",
     "Sensors": "mcsim.scenario.sensors",
-    "Statistic": "mcsim.statistics",
     "TrackBlock": "mcsim.tracks",
     "Trajectory": "mcsim.tracks",
     "SensorKey": "mcsim.sensor_terms.term",
@@ -153,6 +152,7 @@ _WHERE = {
     "Picture": "mcsim.figures",
     "Report": "mcsim.report",
     "Setting": "mcsim.papers",
+    "Statistic": "mcsim.statistics",
 }
 
 
