@@ -76,6 +76,7 @@ def test_all_files_are_written(output):
     assert sorted(p.name for p in output.iterdir()) == [*expected, "psd.svg", "sensor.yaml"]
 
 
+@pytest.mark.slow
 def test_allan_table_is_allantools_of_the_log(csv, output):
     table = pd.read_csv(output / "allan.csv")
     assert list(table.columns) == ["channel", "tau_s", "adev", "ci_low", "ci_high"]
@@ -97,6 +98,7 @@ def loaded(path):
     return YAML(typ="safe").load(text)
 
 
+@pytest.mark.slow
 def test_the_sensor_file_loads_and_holds_the_truth(output):
     sensor = loaded(output / "sensor.yaml")
     accelerometer, gyroscope = sensor["accelerometer"], sensor["gyroscope"]
@@ -117,6 +119,7 @@ def test_the_sensor_file_loads_and_holds_the_truth(output):
     assert "one_sided_noise_density" in text
 
 
+@pytest.mark.slow
 def test_the_spectrum_holds_the_variance(csv, output):
     table = pd.read_csv(output / "psd.csv")
     rows = table[(table["channel"] == "accel_x") & (table["frequency_hz"] > 1.0)]
@@ -508,6 +511,7 @@ def test_a_log_without_noise_does_not_break():
         assert all(np.isfinite([c.low, c.high]).all() for c in fit.coefficients.values())
 
 
+@pytest.mark.slow
 def test_a_characterised_sensor_converts_to_other_dialects(output, capsys):
     arguments = ["convert", str(output / "sensor.yaml"), "--to", "matlab"]
     assert exit_code(arguments) == 0

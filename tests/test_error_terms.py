@@ -346,6 +346,7 @@ def test_calibrating_white_noise_leaves_its_mean():
     assert heading == pytest.approx(expected, rel=CLOSE)
 
 
+@pytest.mark.slow
 def test_longer_calibration_helps_until_the_bias_wanders():
     """With random walk a calibration can be too long for the mean, not for the filter."""
 

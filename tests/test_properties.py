@@ -137,6 +137,7 @@ def test_random_strapdown_scenarios_never_crash_and_keep_the_rules(shape, motion
     keeps_the_rules(table)
 
 
+@pytest.mark.slow
 @CALM
 @given(shape=shapes, speed=amount(5, 30), seed=st.integers(0, 2**64 - 1))
 def test_doubling_all_noise_doubles_the_deviations_of_linear_errors(shape, speed, seed):

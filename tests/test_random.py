@@ -74,6 +74,7 @@ def test_xoshiro_known_answers():
     assert xoshiro_words(*state, 10).tolist() == known
 
 
+@pytest.mark.slow
 def test_logarithm_is_accurate_to_float32_over_all_words():
     words = np.concatenate(
         [
@@ -87,6 +88,7 @@ def test_logarithm_is_accurate_to_float32_over_all_words():
     np.testing.assert_allclose(logarithms(words), exact, rtol=3e-7, atol=2.5e-7)
 
 
+@pytest.mark.slow
 def test_normals_agree_with_exact_functions():
     rng = np.random.default_rng(1)
     radius, angle = rng.integers(0, 2**32, (2, 500_000)).astype(np.uint32)
@@ -225,6 +227,7 @@ def test_moments_to_the_eighth_order_of_a_hundred_million(surveyed):
             assert abs(channel[order] / n - expected) < 5 * error, order
 
 
+@pytest.mark.slow
 def test_channels_and_neighbours_of_a_hundred_million_are_independent(surveyed):
     _, cross, serial, _ = surveyed
     n = REALIZATIONS * SAMPLES
@@ -235,6 +238,7 @@ def test_channels_and_neighbours_of_a_hundred_million_are_independent(surveyed):
         assert abs(squares) < 5 * math.sqrt(8 * n)
 
 
+@pytest.mark.slow
 def test_distribution_and_tails_of_a_hundred_million(surveyed):
     """Chi-square over bins of 0.04 sigma, and the counts beyond 4, 5 and 6 sigma."""
     from scipy.stats import chi2, norm, poisson

@@ -61,6 +61,7 @@ def test_an_interval_holds_spikes_that_were_not_seen():
     assert "heading" not in result.notes
 
 
+@pytest.mark.slow
 def test_a_wanted_precision_waits_for_spikes():
     """One spike in 200 realizations: 1000 would do for the noise alone, not for the spikes."""
     p = problem({"sensors.accelerometer.spikes": {"rate": "0.001 Hz", "amplitude": "100 m/s^2"}})

@@ -52,6 +52,7 @@ def test_losses_are_told_from_all_that_looks_like_one(name, loss):
     assert abs(rate) < 1e-3
 
 
+@pytest.mark.slow
 def test_the_place_of_a_loss_is_found():
     """Within a few rows, as well as 30 % jitter tells it."""
     index = np.delete(np.arange(ROWS + 2), [1000, 2500])

@@ -492,6 +492,7 @@ def test_runs_and_checks_know_the_case(capsys):
 # Tables 5.1 and 5.2
 
 
+@pytest.mark.slow
 def test_table_of_sensors_finds_the_noise_that_was_put_in():
     """By the flat part of the spectrum, quantisation included; not by Eq. (5.1)."""
     table = sensor_table("density", duration=60.0).set_index(["sensor", "axis"])
@@ -553,6 +554,7 @@ def test_sensors_without_noise_are_asked_for_it(tmp_path):
         read_vibration(path, "LIS33DE")
 
 
+@pytest.mark.slow
 def test_an_ac_coupled_sensor_of_one_axis_reads_no_gravity(tmp_path):
     """The piezo reference lies along the excitation; a MEMS sensor reads gravity on its z axis."""
     for along in AXES:
