@@ -18,11 +18,13 @@ import mcsim
 from mcsim import InputError
 from mcsim.checkpoints import Checkpoint
 from mcsim.cli.main import exit_code
+from mcsim.provenance import mark_of
 from mcsim.scenario_file import Scenario
 from mcsim.store import load, load_results
 from mcsim.writing import LOCK, alone_in, write_whole
 
 SHIPPED = Path(__file__).parent.parent / "results"
+LARGE = ("log", "spectrum")
 SCENARIO = """case: planar
 trajectory: {shape: half_cosine, length: 50 m, width: 5 m, speed: 20 m/s}
 sensors: {rate: 50 Hz, accelerometer: LSM330DL, gyroscope: LSM330DL}
@@ -157,6 +159,11 @@ def test_shipped_results_are_read():
     assert not list(SHIPPED.rglob("*.parquet"))
     for folder in runs:
         assert load_results(folder).budget is not None
+    for provenance in SHIPPED.rglob("provenance.json"):
+        for name, mark in json.loads(provenance.read_text()).get("files", {}).items():
+            file = provenance.parent / name
+            # Simulated logs and their full spectra are not shipped.
+            assert mark_of(file.read_bytes()) == mark if file.exists() else file.stem in LARGE
 
 
 @pytest.mark.parametrize(

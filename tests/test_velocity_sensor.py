@@ -14,7 +14,8 @@ from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty
 from mcsim.gum.tables import comparison_table
 from mcsim.gum.words import comparison_words
-from mcsim.kernels.velocity_measured import REST_NOISE, constant_rows
+from mcsim.kernels.velocity import drawn_rows
+from mcsim.kernels.velocity_system import REST_NOISE
 from mcsim.simulation.nets import net_normals
 from mcsim.systems import check_point, problem_of
 from mcsim.systems.velocity.measured import GroupSamples, ProcessSums
@@ -332,7 +333,7 @@ def test_what_is_drawn_once_is_measured_exactly():
     }
     p = known(block, sensor__noise=dict.fromkeys("xyz", "0 g"))
     groups = 64
-    z = net_normals(5, 0, groups, groups, constant_rows(9)).astype(float)
+    z = net_normals(5, 0, groups, groups, drawn_rows(True, 9)).astype(float)
     mixing = np.zeros((groups, 3, 3))
     for row, entry in enumerate(p.measurement.errors.mixing):
         mixing[:, entry.target, entry.source - 3] = z[17 + row]
