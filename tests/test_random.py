@@ -63,6 +63,7 @@ def test_philox_known_answers(counter, key, words):
     assert tuple(int(w) for w in random_numpy.philox(counter, key)) == words
 
 
+@pytest.mark.slow
 def test_xoshiro_known_answers():
     """First words from state 1, 2, 3, 4, as published with the reference C code's ports."""
     state = [np.uint32(i) for i in (1, 2, 3, 4)]
@@ -106,6 +107,7 @@ def normals():
     return pairs(words[::2], words[1::2]).astype(float)
 
 
+@pytest.mark.slow
 def test_moments_of_normals(normals):
     """Raw moments to the 8th order: 0, 1, 0, 3, 0, 15, 0, 105, each within 5 standard errors."""
     z = normals.ravel()
@@ -203,6 +205,7 @@ def surveyed():
     return survey(2026, REALIZATIONS, SAMPLES)
 
 
+@pytest.mark.slow
 def test_survey_draws_what_the_twin_draws():
     """The survey's first moments over a few realizations equal those of the numpy twin."""
     powers, *_ = survey(5, 20, 50)
@@ -211,6 +214,7 @@ def test_survey_draws_what_the_twin_draws():
     np.testing.assert_allclose(powers[:, 2], (twin**2).sum(axis=(0, 2)), rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_moments_to_the_eighth_order_of_a_hundred_million(surveyed):
     n = REALIZATIONS * SAMPLES
     for channel in surveyed[0]:

@@ -7,11 +7,11 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from mcsim.cli.tables import summary
 from scipy import stats
 
 from mcsim import Scenario, run
 from mcsim.adding import add
+from mcsim.cli.summary import summary
 from mcsim.errors import InputError
 from mcsim.figures.single import draw_single
 from mcsim.figures.sweeps import draw_sweep

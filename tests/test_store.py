@@ -72,6 +72,7 @@ def refusal(folder, capsys):
 TABLES = ("table.parquet", "budget.parquet", "history.parquet", "tracks.parquet")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*TABLES, "provenance.json"])
 @pytest.mark.parametrize("damage", ["empty", "cut", "flipped", "text", "folder", "pipe", "other's"])
 def test_damaged_parts_are_refused(result, stored, capsys, name, damage):
@@ -113,6 +114,7 @@ SWEPT = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("swept", [*SWEPT.values(), "undisturbed"], ids=[*SWEPT, "undisturbed"])
 def test_csv_holds_what_parquet_holds(tmp_path, swept):
     """Floats to the last bit, empty notes, tables without any value: read from either."""
@@ -189,6 +191,7 @@ def test_tables_without_marks_are_looked_at(result, capsys, change):
     assert "table.parquet" in refusal(result, capsys)
 
 
+@pytest.mark.slow
 def test_a_table_without_any_number_is_drawn(result):
     """A figure of nothing but missing values is empty, and no warning."""
     provenance = json.loads((result / "provenance.json").read_text())
@@ -214,6 +217,7 @@ def checkpoint_of(tmp_path):
     return Checkpoint.of(scenario, tmp_path / "scenario")
 
 
+@pytest.mark.slow
 def test_every_flipped_bit_of_a_checkpoint_is_found(tmp_path):
     """What is read is what was written, or it is left out."""
     checkpoint = checkpoint_of(tmp_path)
@@ -236,6 +240,7 @@ def _with(record, **changes):
     return {**record, **changes}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "forge",
     [
@@ -268,6 +273,7 @@ def test_lines_that_do_not_fit_are_computed_again(tmp_path, stored, forge):
     assert not checkpoint.path.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("content", "told"),
     [
@@ -309,6 +315,7 @@ def test_what_stands_in_a_checkpoints_place_is_refused(tmp_path, kind):
     assert precious.read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_a_run_that_is_stopped_while_it_writes_is_not_taken_for_another(tmp_path, monkeypatch):
     """Tables of seed 4 beside the provenance of seed 3, whenever the second run stops."""
     run(tmp_path)
@@ -363,6 +370,7 @@ def test_what_a_kill_leaves_beside_a_file_is_removed(tmp_path):
     assert {file.name for file in tmp_path.iterdir()} == {"table.csv", *others}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_other_signals_end_a_run_as_ctrl_c_does(tmp_path, number):
     path = tmp_path / "case.yaml"

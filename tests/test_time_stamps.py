@@ -29,6 +29,7 @@ def write(path, stamps, values=NOISE):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "loss"),
     [
@@ -151,6 +152,7 @@ def test_the_advice_of_every_refusal_works(tmp_path, case):
         assert log.timing.stamped or any("set aside" in note for note in log.notes)
 
 
+@pytest.mark.slow
 def test_the_advice_for_a_hole_in_a_vibration_works(tmp_path, capsys):
     path = write(tmp_path / "log.csv", TIME + 9.0 * (np.arange(ROWS) >= 1000))
     arguments = ["vibration", str(path), "--output", str(tmp_path / "out"), "--quiet"]

@@ -152,6 +152,7 @@ def test_one_run_has_no_scatter():
 # Linear model
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SENSORS)
 @pytest.mark.parametrize("stamps", ["independent", "stamps"])
 def test_covariance_agrees_with_a_million_groups(name, stamps):
@@ -170,6 +171,7 @@ def test_covariance_agrees_with_a_million_groups(name, stamps):
     assert abs(summed.summed_total[-1] / np.sqrt(linear.second_moment[3]) - 1.0) > 0.1
 
 
+@pytest.mark.slow
 def test_controls_have_the_moments_of_the_linear_model():
     p = problem("a2", sensor__time_errors="stamps")
     controls = p.simulate(4, 0, 200_000, controls=True).controls
@@ -448,6 +450,7 @@ def test_sentences_of_the_budget_follow_from_its_numbers(overrides, said, unsaid
     assert unsaid not in words
 
 
+@pytest.mark.slow
 def test_a_run_without_uncertainty_says_so(tmp_path):
     zero = {
         **{
@@ -501,6 +504,7 @@ def test_bad_scenarios_are_explained(overrides, message):
         mcsim.run(scenario(**overrides))
 
 
+@pytest.mark.slow
 def test_sweeps_and_tables_work_as_in_the_planar_case(tmp_path):
     s = Scenario.from_yaml(
         FOLDER / "a1.yaml",
@@ -543,6 +547,7 @@ def test_linear_answers_agree_with_monte_carlo():
     np.testing.assert_allclose(rows["linear"][not_means], rows["plain"][not_means], rtol=0.02)
 
 
+@pytest.mark.slow
 def test_runs_are_kept_and_drawn_over_time(tmp_path):
     outputs = {"outputs": {"tracks": 5, "history": True}, "monte_carlo__realizations": 100}
     results = mcsim.run(scenario(**outputs), output=tmp_path)
@@ -573,6 +578,7 @@ def test_extreme_but_legal_numbers_stay_finite(overrides):
     assert "nan" not in comparison_words(course)
 
 
+@pytest.mark.slow
 def test_table_2_sets_like_beside_like(monkeypatch):
     """What was measured once stands beside the distribution of the same quantity."""
     monkeypatch.setattr(velocity_tables, "GROUPS", 400)

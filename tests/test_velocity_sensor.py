@@ -206,6 +206,7 @@ def test_controls_are_the_linear_errors():
         assert (sample.controls[2::3] == 0.0).all()
 
 
+@pytest.mark.slow
 def test_controls_have_the_moments_that_the_estimator_assumes():
     p = problem(EVERY)
     controls = p.simulate(4, 0, 100_000, controls=True).controls
@@ -274,6 +275,7 @@ BLOCKS = {
 GROUPS = 5000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TWIN)
 def test_a_naive_simulation_has_the_same_distribution(name):
     p = problem(BLOCKS[name])
@@ -284,6 +286,7 @@ def test_a_naive_simulation_has_the_same_distribution(name):
         assert ks_2samp(one, other).pvalue > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "mistake"),
     [
@@ -302,6 +305,7 @@ def test_common_mistakes_would_be_seen(name, mistake):
     assert min(ks_2samp(a, b).pvalue for a, b in zip(naive, ours, strict=True)) < 1e-6
 
 
+@pytest.mark.slow
 def test_flicker_is_that_of_kasdin():
     """The sum of processes against exact 1/f noise: deviations within 3 % and sampling error."""
     groups = 2000
@@ -504,6 +508,7 @@ def test_a_catalogue_sensor_gives_noise_density_and_terms():
     )
 
 
+@pytest.mark.slow
 def test_terms_and_sensors_can_be_swept(tmp_path):
     s = Scenario.from_yaml(
         FOLDER / "a1.yaml",

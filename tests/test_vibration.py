@@ -388,6 +388,7 @@ def test_orders_of_an_engine_are_found_in_noise():
 # The command
 
 
+@pytest.mark.slow
 def test_a_scenario_becomes_tables_and_a_picture(tmp_path, capsys):
     path = shipped_scenarios() / "vibration" / "engine.yaml"
     assert exit_code(["vibration", str(path), "--output", str(tmp_path)]) == 0
@@ -433,6 +434,7 @@ def test_logs_that_tell_nothing_are_refused(tmp_path, capsys, column, options, m
         assert exit_code([*arguments, "--rate", "100 Hz", "--quiet"]) == 0
 
 
+@pytest.mark.slow
 def test_a_log_is_analysed_like_the_scenario_it_came_from(tmp_path, capsys):
     path = shipped_scenarios() / "vibration" / "elevator.yaml"
     assert exit_code(["vibration", str(path), "--output", str(tmp_path), "--quiet"]) == 0
