@@ -29,6 +29,7 @@ from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import CONSTANTS, GROUP, LANES, draw_normals
 from mcsim.kernels.measurement import expect_after_rest, mean_at_rest
 from mcsim.kernels.parts import of
+from mcsim.kernels.quaternion import LOCKED
 from mcsim.kernels.rotation import LARGEST_TURN, angles_from, turn, turn_exactly, wrap
 from mcsim.kernels.strapdown_system import (
     AT_ORIGIN,
@@ -39,7 +40,6 @@ from mcsim.kernels.strapdown_system import (
     FIRST_SPATIAL,
     HEADING,
     IS_FORCE,
-    LOCKED,
     MIXING_CONSTANTS,
     NO_DEVIATIONS,
     PITCH,
