@@ -45,24 +45,74 @@ Conventions (the whole package keeps them)
 * A realization's random numbers depend on the seed, its point's own coordinates and
   its index: not on threads, blocks, order, or other points.
 
-Public names: ``Scenario``, ``run``, ``Results``, ``load``, ``add_rule``, and the exceptions of
-``mcsim.errors``.  What the commands do: ``budget``, ``characterise``, ``read_parameters``,
-``calibrate``, ``linearity``, ``convert``, ``convert_quantity``, ``analyse_vibration``, ``table``,
-``validate``, ``schema``.  Most return data classes with tables (pandas) and ``write(folder)``,
-which writes them with pictures and provenance.  Parts of one's own: ``Picture``, ``PaperTable``
-with ``Computed`` and ``Setting``, ``PaperFigure``, ``Command``; ``Report`` writes a folder;
-``Dialect`` with ``Assumptions``, ``Description``, ``Reading``, ``Term``, ``two_sided`` and
-``without_words``; ``LogFormat`` with ``log_columns``.
+Public names
+------------
+SI everywhere; tables (pandas) name their units.  What returns an answer with tables also has
+``answer.write(folder)``: tables, pictures and provenance.
+
+Scenarios and results:
+
+* ``Scenario``: ``Scenario.from_yaml(file)`` or ``.from_dict(tree)``, validated;
+  ``with_values({path: value})`` is another one.
+* ``run(scenario)``: every point of its sweep, as ``Results``, written with ``output=folder``.
+* ``Results``: ``table``, a row per point, error and statistic, ``budget``, ``history``, ``tracks``.
+* ``load(folder)``: the table of a stored result.
+
+What the commands do:
+
+* ``budget(scenario)``: uncertainty of a velocity scenario (GUM) beside Monte Carlo; m/s, m/s^2.
+* ``calibrate(file)``: matrix (3, 3) and bias (3,) of a six-position test, in fractions of g.
+* ``linearity(file)``: slope and offset of a shaker test, with uncertainties.
+* ``characterise(log)``: a sensor's noise from a static log: a sensor file, Allan curve, spectrum.
+* ``read_parameters(file)``: ready parameters in any dialect, as a sensor file.
+* ``convert(sensor, to)``: a sensor in another noise dialect, as text.
+* ``convert_quantity("0.2 °/√h")``: a noise figure in all units and dialects.
+* ``analyse_vibration(file)``: peaks, spectra and orders of a log, or of a simulated scenario.
+* ``table(name)``: a printed table of a source beside what is computed.
+* ``validate(file)``, ``schema(kind)``: a scenario checked without a run; the JSON schema.
+
+Parts of one's own, for ``add(part)`` in a file that ``--with FILE.py`` loads:
+
+* ``Track``: a shape of track, a block (``TrackBlock``; ``DrivenTrackBlock`` has a speed) and its
+  manoeuvre, which ``along`` makes of a curve (``curves``, m).
+* ``Excitation``: a shape of vibration, a block (``ExcitationBlock``) and its acceleration (m/s^2).
+* ``SensorTerm``: a term of the error model, its ``SensorKey`` and one of ``mechanisms``.
+* ``Statistic``: ``value(errors)``, of realizations (…, r) to (…); ``percentile(p)`` is one.
+* ``Picture``: of the results of every run.
+* ``PaperTable`` with ``Computed`` and ``Setting``, ``PaperFigure``: beside those of the papers.
+* ``Command``: a click command of ``mcsim``; ``Report`` writes its folder.
+* ``Dialect``: how a tool writes a sensor's noise; ``dialects`` has what it reads and writes.
+* ``LogFormat``: of measured values, whose columns ``log_columns`` makes of arrays.
+* ``Case``: a system that can be simulated; ``ErrorQuantity``: an error that it reports.
+
+Rules and cases of one's own:
+
+* ``add_rule(case, name, …)``: a reconstruction of three small functions in a shipped case.
+* ``algorithm(name, …)``: one for a case of one's own, which ``OwnReckoning`` runs.
+* ``driven(trajectory, sensors, folder)``: signals (n + 1, 3) of a drive, with their errors and the
+  truth; ``samples_of``: how many samples.
+* ``CaseScenario``, ``Block``: bases of a case's scenario and of its blocks; ``Trajectory``,
+  ``Sensors``: the blocks of the shipped ones; ``fields``: quantities with units (``fields.Speed``);
+  ``IdleKey``: a key without effect in some scenarios.
+
+Exceptions: ``McsimError``, and of that kind ``InputError`` (a scenario, an option, a file),
+``UnitError`` (an ``InputError``), ``PartialError`` (some points failed), ``InterruptedRun``.
+
+Scalar functions and motions for rules stand in ``mcsim.kernels``: ``planar.Motion``,
+``strapdown.Motion``, ``rotation`` (angles), ``quaternion`` (attitudes).
 """
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from mcsim.errors import InputError, McsimError
+from mcsim.errors import InputError, InterruptedRun, McsimError, PartialError, UnitError
 from mcsim.version import __version__
 
 if TYPE_CHECKING:
+    from mcsim import dialects
+    from mcsim.adding import add
     from mcsim.api.budget import budget
     from mcsim.api.calibrate import calibrate
     from mcsim.api.characterise import characterise
@@ -72,85 +122,101 @@ if TYPE_CHECKING:
     from mcsim.api.scenario_files import schema, validate
     from mcsim.api.vibration import analyse_vibration
     from mcsim.cli.command import Command
-    from mcsim.dialects import (
-        Assumptions,
-        Description,
-        Dialect,
-        Reading,
-        Term,
-        two_sided,
-        without_words,
-    )
+    from mcsim.dialects import Dialect
     from mcsim.figures import Picture
     from mcsim.logs import LogFormat, log_columns
     from mcsim.papers import Computed, PaperFigure, PaperTable, Setting
     from mcsim.papers.table import table
     from mcsim.report import Report
     from mcsim.results import Results
+    from mcsim.scenario import fields
+    from mcsim.scenario.block import Block
+    from mcsim.scenario.case import CaseScenario
+    from mcsim.scenario.error_quantities import ErrorQuantity
+    from mcsim.scenario.idle import IdleKey
+    from mcsim.scenario.sensors import Sensors
     from mcsim.scenario_file import Scenario
+    from mcsim.sensor_terms import mechanisms
+    from mcsim.sensor_terms.term import SensorKey, SensorTerm
+    from mcsim.simulation.case import Case
+    from mcsim.simulation.driven import driven, samples_of
+    from mcsim.simulation.own_motion import OwnReckoning, algorithm
+    from mcsim.statistics import Statistic, percentile
     from mcsim.store import load
     from mcsim.systems.own_rules import add_rule
+    from mcsim.tracks import DrivenTrackBlock, Track, TrackBlock, Trajectory, along
+    from mcsim.trajectory import curves
+    from mcsim.vibration.excitations import Excitation, ExcitationBlock
 
 __all__ = [
-    "Assumptions",
+    "Block",
+    "Case",
+    "CaseScenario",
     "Command",
     "Computed",
-    "Description",
     "Dialect",
+    "DrivenTrackBlock",
+    "ErrorQuantity",
+    "Excitation",
+    "ExcitationBlock",
+    "IdleKey",
     "InputError",
+    "InterruptedRun",
     "LogFormat",
     "McsimError",
+    "OwnReckoning",
     "PaperFigure",
     "PaperTable",
+    "PartialError",
     "Picture",
-    "Reading",
     "Report",
     "Results",
     "Scenario",
+    "SensorKey",
+    "SensorTerm",
+    "Sensors",
     "Setting",
-    "Term",
+    "Statistic",
+    "Track",
+    "TrackBlock",
+    "Trajectory",
+    "UnitError",
     "__version__",
+    "add",
     "add_rule",
+    "algorithm",
+    "along",
     "analyse_vibration",
     "budget",
     "calibrate",
     "characterise",
     "convert",
     "convert_quantity",
+    "curves",
+    "dialects",
+    "driven",
+    "fields",
     "linearity",
     "load",
     "log_columns",
+    "mechanisms",
+    "percentile",
     "read_parameters",
     "run",
+    "samples_of",
     "schema",
     "table",
-    "two_sided",
     "validate",
-    "without_words",
 ]
 
+#: Where public names are imported from when they are first used.
 _WHERE = {
-    "add": "mcsim.adding",
-    "add_rule": "mcsim.systems.own_rules",
-    "algorithm": "mcsim.simulation.own_motion",
-    "Block": "mcsim.scenario.block",
-    "Excitation": "mcsim.vibration.excitations",
-    "Track": "mcsim.tracks",
-    "Case": "mcsim.simulation.case",
-    "CaseScenario": "mcsim.scenario.case",
-    "driven": "mcsim.simulation.driven",
-    "ErrorQuantity": "mcsim.scenario.error_quantities",
-    "OwnReckoning": "mcsim.simulation.own_motion",
-    "samples_of": "mcsim.simulation.driven",
-    "Sensors": "mcsim.scenario.sensors",
-    "Trajectory": "mcsim.tracks",
-    "SensorKey": "mcsim.sensor_terms.term",
-    "SensorTerm": "mcsim.sensor_terms.term",
-    "mechanisms": "mcsim.sensor_terms",
+    # Scenarios and results.
     "Results": "mcsim.results",
     "Scenario": "mcsim.scenario_file",
     "load": "mcsim.store",
     "run": "mcsim.api.run",
+    # What the commands do.
     "analyse_vibration": "mcsim.api.vibration",
     "budget": "mcsim.api.budget",
     "calibrate": "mcsim.api.calibrate",
@@ -162,31 +228,57 @@ _WHERE = {
     "schema": "mcsim.api.scenario_files",
     "table": "mcsim.papers.table",
     "validate": "mcsim.api.scenario_files",
+    # Parts of one's own.
+    "Case": "mcsim.simulation.case",
     "Command": "mcsim.cli.command",
-    "Assumptions": "mcsim.dialects",
-    "Description": "mcsim.dialects",
-    "Dialect": "mcsim.dialects",
-    "Reading": "mcsim.dialects",
-    "Term": "mcsim.dialects",
-    "two_sided": "mcsim.dialects",
-    "without_words": "mcsim.dialects",
-    "LogFormat": "mcsim.logs",
-    "log_columns": "mcsim.logs",
     "Computed": "mcsim.papers",
+    "Dialect": "mcsim.dialects",
+    "DrivenTrackBlock": "mcsim.tracks",
+    "ErrorQuantity": "mcsim.scenario.error_quantities",
+    "Excitation": "mcsim.vibration.excitations",
+    "ExcitationBlock": "mcsim.vibration.excitations",
+    "LogFormat": "mcsim.logs",
     "PaperFigure": "mcsim.papers",
     "PaperTable": "mcsim.papers",
     "Picture": "mcsim.figures",
     "Report": "mcsim.report",
+    "SensorKey": "mcsim.sensor_terms.term",
+    "SensorTerm": "mcsim.sensor_terms.term",
     "Setting": "mcsim.papers",
+    "Statistic": "mcsim.statistics",
+    "Track": "mcsim.tracks",
+    "TrackBlock": "mcsim.tracks",
+    "add": "mcsim.adding",
+    "along": "mcsim.tracks",
+    "log_columns": "mcsim.logs",
+    "percentile": "mcsim.statistics",
+    # Rules and cases of one's own.
+    "Block": "mcsim.scenario.block",
+    "CaseScenario": "mcsim.scenario.case",
+    "IdleKey": "mcsim.scenario.idle",
+    "OwnReckoning": "mcsim.simulation.own_motion",
+    "Sensors": "mcsim.scenario.sensors",
+    "Trajectory": "mcsim.tracks",
+    "add_rule": "mcsim.systems.own_rules",
+    "algorithm": "mcsim.simulation.own_motion",
+    "driven": "mcsim.simulation.driven",
+    "samples_of": "mcsim.simulation.driven",
+}
+#: Modules that are public as a whole.
+_MODULES = {
+    "curves": "mcsim.trajectory.curves",
+    "dialects": "mcsim.dialects",
+    "fields": "mcsim.scenario.fields",
+    "mechanisms": "mcsim.sensor_terms.mechanisms",
 }
 
 
 def __getattr__(name: str) -> Any:
     """Import public names when they are first used, so that ``mcsim --help`` is instant."""
     if name in _WHERE:
-        from importlib import import_module
-
         return getattr(import_module(_WHERE[name]), name)
+    if name in _MODULES:
+        return import_module(_MODULES[name])
     raise AttributeError(f"module 'mcsim' has no attribute {name!r}")
 
 

@@ -59,7 +59,18 @@ def save(
 
 
 def load(path: str | Path) -> pd.DataFrame:
-    """The table of a stored result; ``path`` is its folder or one of its tables.
+    """The table of a stored result.
+
+    Parameters
+    ----------
+    path : path
+        The folder that a run has written, or one of the tables in it (CSV or Parquet).
+
+    Returns
+    -------
+    DataFrame
+        As it was written: one row per point, error and statistic; swept columns have their unit in
+        brackets, the column ``unit`` is that of the value.
 
     Raises
     ------

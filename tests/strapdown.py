@@ -62,8 +62,7 @@ def with_errors(p, white, deviations):
     errors = replace(
         p.sensor_errors,
         white=white,
-        miscalibration=deviations[OFFSETS],
-        turn_on_bias=np.zeros(6),
+        constants={"miscalibration": deviations[OFFSETS]},
     )
     return replace(p, sensor_errors=errors, initial_deviations=initial)
 

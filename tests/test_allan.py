@@ -34,6 +34,7 @@ from tests.reference.noise import THESIS, gauss_markov, in_si, static_noise
 RATE = 100.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("overlapping", "theirs"), [(True, allantools.oadev), (False, allantools.adev)]
 )
@@ -57,6 +58,7 @@ def test_cluster_times_hold_one_second_and_end_at_a_third():
         assert 2600 < factors[-1] <= 3333
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("term", "alpha"), [(1, 0), (2, -1), (3, -2)])
 def test_degrees_of_freedom_are_greenhalls(term, alpha):
     """allantools' edf_greenhall; short clusters differ, since flicker and random walk of the
@@ -149,6 +151,7 @@ def test_gauss_markov_peaks_where_the_table_says():
     assert gauss_markov_variance(short, 5.0)[0] == pytest.approx(1e-4 / 3.0, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_day_at_100_hz_gives_back_its_coefficients():
     """14 h of the LSM9DS1's x axis: N within 1 %, B within 10 %, K inside of its interval."""
     truth = in_si(THESIS["LSM9DS1"][0])
@@ -168,6 +171,7 @@ def drawn_in(found, share):
     return [found.value + (end - found.value) * share for end in (found.low, found.high)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sensor", "axis", "intervals"),
     [("BNO055", 1, "covariance"), ("Xsens", 2, "covariance"), ("Xsens", 0, "bootstrap")],
@@ -190,6 +194,7 @@ def test_intervals_of_the_coefficients_cover(sensor, axis, intervals):
     assert np.all(narrow / trials < 0.8)
 
 
+@pytest.mark.slow
 def test_the_bootstrap_knows_noise_that_is_not_stationary():
     """White noise whose level wanders within minutes: its mean power is known less well."""
     rng = np.random.default_rng(12)
@@ -244,6 +249,7 @@ def test_many_small_problems_are_solved_like_one(terms):
     assert 0.1 < np.mean(found == 0.0) < 0.9
 
 
+@pytest.mark.slow
 def test_further_terms_enter_only_where_they_are():
     rng = np.random.default_rng(13)
     n = 100_000
@@ -257,6 +263,7 @@ def test_further_terms_enter_only_where_they_are():
     assert quantised["Q"].value == pytest.approx(0.02, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_gauss_markov_bias_is_recognised():
     rng = np.random.default_rng(17)
     samples = gauss_markov(60.0, 0.002, 10.0, 300_000, rng)
@@ -270,6 +277,7 @@ def test_a_gauss_markov_bias_is_recognised():
     assert found.model.deviation == pytest.approx(0.002, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mix", "process", "answer"),
     [
@@ -299,6 +307,7 @@ def test_gauss_markov_and_powers_are_told_apart(mix, process, answer):
         assert sum(time is not None and time < process[0] for time in alike) >= trials - 2
 
 
+@pytest.mark.slow
 def test_fits_of_the_comparison_solve_their_equations():
     """The curve of a known model comes back, if its log is so long that nothing scatters."""
     rng = np.random.default_rng(22)
@@ -320,6 +329,7 @@ def test_fits_of_the_comparison_solve_their_equations():
     assert area == pytest.approx(process.deviation**2, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_low_pass_filter_shifts_the_fit_and_not_its_result():
     """Ten-sample averages of white noise logged at full rate: short clusters know too little."""
     rng = np.random.default_rng(23)
@@ -331,6 +341,7 @@ def test_a_low_pass_filter_shifts_the_fit_and_not_its_result():
     assert fit_noise(allan_curve(samples, 1.0), (1.0, 1e9))["N"].value != pytest.approx(1, rel=0.1)
 
 
+@pytest.mark.slow
 def test_intervals_of_n_hold_beside_a_first_order_filter():
     """A start inside of its decay holds less often; see benchmarks/interval_coverage.txt."""
     rng, decay, hits, inside = np.random.default_rng(24), math.exp(-0.3), 0, 0
@@ -347,6 +358,7 @@ def test_intervals_of_n_hold_beside_a_first_order_filter():
     assert inside < hits
 
 
+@pytest.mark.slow
 def test_intervals_of_n_hold_beside_a_gauss_markov_process():
     rng = np.random.default_rng(25)
     for _ in range(4):

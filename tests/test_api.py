@@ -45,6 +45,7 @@ def test_every_function_is_tried():
     assert functions() <= CALLS.keys()
 
 
+@pytest.mark.slow
 def test_functions_work_without_the_command_line(tmp_path):
     (tmp_path / "case.yaml").write_text(BASE_YAML.replace("200", "20"))
     (tmp_path / "sensor.yaml").write_text("accelerometer: {velocity_random_walk: 0.1 m/s/√h}\n")

@@ -9,6 +9,7 @@ from tests.conftest import problem
 COUNT = 20_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["plain numpy", "naive numba"])
 def test_baselines_give_the_kernels_statistics(name):
     p = problem()

@@ -62,6 +62,7 @@ def coverage(tests, correction=CORRECTION, bias=BIAS):
     return np.mean(inside, axis=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("samples", "repetitions", "alignment"),
     [(100, 1, 0.0), (100, 1, 2e-3), (1, 1, 0.0), (100, 2, 0.0), (100, 2, 2e-3), (1, 5, 2e-3)],
@@ -305,6 +306,7 @@ def test_uncertainty_of_a_slope_is_that_of_linregress_and_holds():
     assert np.mean(held, axis=0) == pytest.approx(0.95, abs=4 * 0.011)
 
 
+@pytest.mark.slow
 def test_equation_34_divides_by_the_element_of_the_matrix(tmp_path, capsys):
     """The slope of A2's bent line is 7 % from its mxx."""
     scenario = str(SCENARIOS / "velocity" / "a2.yaml")
@@ -351,6 +353,7 @@ def test_extreme_amplitudes_are_explained(tmp_path, capsys, rows, message):
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_commands_of_the_velocity_paper(tmp_path, capsys):
     out = ["--output", str(tmp_path), "--quiet"]
     assert exit_code(["figures", "12", "13", "14", *out]) == 0

@@ -70,11 +70,13 @@ def output(csv, tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_all_files_are_written(output):
     expected = ["allan.csv", "allan.png", "allan.svg", "provenance.json", "psd.csv", "psd.png"]
     assert sorted(p.name for p in output.iterdir()) == [*expected, "psd.svg", "sensor.yaml"]
 
 
+@pytest.mark.slow
 def test_allan_table_is_allantools_of_the_log(csv, output):
     table = pd.read_csv(output / "allan.csv")
     assert list(table.columns) == ["channel", "tau_s", "adev", "ci_low", "ci_high"]
@@ -96,6 +98,7 @@ def loaded(path):
     return YAML(typ="safe").load(text)
 
 
+@pytest.mark.slow
 def test_the_sensor_file_loads_and_holds_the_truth(output):
     sensor = loaded(output / "sensor.yaml")
     accelerometer, gyroscope = sensor["accelerometer"], sensor["gyroscope"]
@@ -116,6 +119,7 @@ def test_the_sensor_file_loads_and_holds_the_truth(output):
     assert "one_sided_noise_density" in text
 
 
+@pytest.mark.slow
 def test_the_spectrum_holds_the_variance(csv, output):
     table = pd.read_csv(output / "psd.csv")
     rows = table[(table["channel"] == "accel_x") & (table["frequency_hz"] > 1.0)]
@@ -125,6 +129,7 @@ def test_the_spectrum_holds_the_variance(csv, output):
     assert np.std(samples) == pytest.approx(sample_deviation(math.sqrt(2) * ACCEL[0], RATE), 0.01)
 
 
+@pytest.mark.slow
 def test_the_summary_says_it_all(csv, tmp_path, capsys):
     arguments = ["characterise", str(csv), "--output", str(tmp_path), "--non-overlapping"]
     arguments += ["--fit-range", "0.1", "200", "--intervals", "covariance"]
@@ -146,6 +151,7 @@ def test_the_summary_says_it_all(csv, tmp_path, capsys):
     assert at.iloc[0] == pytest.approx(deviation[0], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_line_is_named_and_does_not_distort():
     t = np.arange(N_SAMPLES) / RATE
     clean = noise(3)
@@ -163,6 +169,7 @@ def test_a_line_is_named_and_does_not_distort():
     assert abs(fit_noise(found.curve)["N"].value / plain.fit["N"].value - 1.0) > 0.05
 
 
+@pytest.mark.slow
 def test_white_noise_has_no_lines():
     for seed in range(20):
         assert not find_lines(spectrum_of(noise(seed), RATE))
@@ -188,6 +195,7 @@ def test_noise_that_is_not_gaussian_is_not_taken_for_spikes():
     assert found.channels[0].inspection.samples is samples
 
 
+@pytest.mark.slow
 def test_quantisation_steps_are_found():
     step = 2e-3
     found = characterise(log_of(np.round(noise(7) / step) * step))
@@ -230,6 +238,7 @@ def test_fits_without_points_are_refused():
         characterise(log_of(noise(1)), Settings(fit_range=(1.0, 1.5)))
 
 
+@pytest.mark.slow
 def test_a_gauss_markov_bias_stands_in_the_sensor_file(tmp_path):
     rng = np.random.default_rng(10)
     samples = gauss_markov(20.0, 0.004, RATE, 3 * N_SAMPLES, rng)
@@ -257,6 +266,7 @@ def test_a_gauss_markov_bias_stands_in_the_sensor_file(tmp_path):
     assert not any("random walk does not clearly show" in sentence for sentence in told)
 
 
+@pytest.mark.slow
 def test_a_ramp_is_named_kept_and_no_bias():
     samples = noise(12, (1e-3, 0.0, 0.0)) + 5e-6 * np.arange(N_SAMPLES) / RATE
     found = characterise(log_of(samples))
@@ -273,6 +283,7 @@ def test_a_ramp_is_named_kept_and_no_bias():
     assert "ramp" not in kinds(characterise(log_of(noise(12, (1e-3, 0.0, 0.0)))))
 
 
+@pytest.mark.slow
 def test_axes_of_a_sensor_file_keep_what_is_theirs(tmp_path):
     """A process of one axis is not spread over those that have none."""
     rng = np.random.default_rng(10)
@@ -425,6 +436,7 @@ def test_bad_input_is_one_message_and_nothing_written(csv, tmp_path, capsys, arg
     assert not folder.exists()
 
 
+@pytest.mark.slow
 def test_channels_do_not_depend_on_one_another():
     """They are analysed at the same time, each with the same blocks."""
     samples = [noise(k, n=20_000) for k in range(3)]
@@ -472,6 +484,7 @@ def test_help_is_instant():
     assert "two-sided" in done.stdout
 
 
+@pytest.mark.slow
 def test_slow_noise_has_no_lines_either():
     """Steep spectra: the floor must follow flicker and random walk."""
     for seed in range(20):
@@ -486,6 +499,7 @@ def test_lines_of_short_logs_are_found():
     assert any("short" in sentence for sentence in verdict(found))
 
 
+@pytest.mark.slow
 def test_a_log_without_noise_does_not_break():
     found = characterise(log_of(1e-6 * np.arange(20_000.0)))
     assert np.all(np.isfinite(found.channels[0].high))
@@ -497,6 +511,7 @@ def test_a_log_without_noise_does_not_break():
         assert all(np.isfinite([c.low, c.high]).all() for c in fit.coefficients.values())
 
 
+@pytest.mark.slow
 def test_a_characterised_sensor_converts_to_other_dialects(output, capsys):
     arguments = ["convert", str(output / "sensor.yaml"), "--to", "matlab"]
     assert exit_code(arguments) == 0

@@ -29,6 +29,7 @@ def run(*arguments, **options):
     )
 
 
+@pytest.mark.slow
 def test_run_writes_tables_and_pictures(scenario_file, tmp_path, capsys):
     path = scenario_file(BASE_YAML)
     assert exit_code(["run", str(path), "--output", str(tmp_path / "out")]) == 0
@@ -46,6 +47,7 @@ def test_run_writes_tables_and_pictures(scenario_file, tmp_path, capsys):
     ]
 
 
+@pytest.mark.slow
 def test_single_runs_print_their_estimates(scenario_file, tmp_path, capsys):
     path = scenario_file(BASE_YAML)
     arguments = ["run", str(path), "--set", "sweep=null", "--realizations", "50", "--seed", "3"]
@@ -57,6 +59,7 @@ def test_single_runs_print_their_estimates(scenario_file, tmp_path, capsys):
     assert told["seed"] == 3
 
 
+@pytest.mark.slow
 def test_quiet_runs_say_nothing(scenario_file, tmp_path, capsys):
     path = scenario_file(BASE_YAML)
     assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 0
@@ -108,6 +111,7 @@ def test_two_scenarios_of_one_name_are_refused(scenario_file, tmp_path, capsys):
     assert "share a folder" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_failing_points_exit_with_3(scenario_file, tmp_path, capsys, monkeypatch):
     import mcsim.sweep as sweep_module
 
@@ -141,6 +145,7 @@ def test_unexpected_errors_exit_with_1(scenario_file, tmp_path, capsys, monkeypa
     assert "Traceback" not in err
 
 
+@pytest.mark.slow
 def test_interrupted_runs_exit_with_130_and_go_on_later(scenario_file, tmp_path):
     """Ctrl-C in the middle of a real process; the second call starts from the checkpoint."""
     path = scenario_file(
@@ -213,6 +218,7 @@ def test_sensors_are_listed_with_their_sources(capsys):
     assert "did you mean" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_plot_draws_a_stored_result_again(scenario_file, tmp_path, capsys):
     path = scenario_file(BASE_YAML)
     assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 0
@@ -233,6 +239,7 @@ def test_unknown_figures_are_refused(capsys):
     assert '"7" is not one of 1, 2, 3, 4, 5, 10' in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_composed_figures_are_drawn(tmp_path, monkeypatch):
     """Figure 5 has two scenarios; fewer realizations make it quick."""
     real = FIGURES["5"]
@@ -264,6 +271,7 @@ def test_help_imports_nothing_heavy():
     assert result.stdout.strip().endswith("[]")
 
 
+@pytest.mark.slow
 def test_a_plain_run_does_not_import_what_takes_a_second(scenario_file, tmp_path):
     path = scenario_file(BASE_YAML)
     code = (
@@ -277,6 +285,7 @@ def test_a_plain_run_does_not_import_what_takes_a_second(scenario_file, tmp_path
     assert result.stdout.strip() == "[]"
 
 
+@pytest.mark.slow
 def test_messages_reach_a_closed_pipe_quietly(scenario_file):
     path = scenario_file(BASE_YAML)
     result = subprocess.run(
@@ -296,6 +305,7 @@ def test_module_runs_as_a_program():
     assert result.stdout.startswith("mcsim, version")
 
 
+@pytest.mark.slow
 def test_if_no_point_can_run_the_old_result_stays(scenario_file, tmp_path, capsys, monkeypatch):
     import mcsim.sweep as sweep_module
 
@@ -315,6 +325,7 @@ def test_if_no_point_can_run_the_old_result_stays(scenario_file, tmp_path, capsy
     assert {p.name: p.read_bytes() for p in (tmp_path / "case").iterdir()} == before
 
 
+@pytest.mark.slow
 def test_a_kill_while_drawing_loses_nothing(scenario_file, tmp_path, monkeypatch):
     import mcsim.figures.saving as figures
 
@@ -332,6 +343,7 @@ def test_a_kill_while_drawing_loses_nothing(scenario_file, tmp_path, monkeypatch
     assert not list((tmp_path / "case").glob(".checkpoint-*"))
 
 
+@pytest.mark.slow
 def test_figures_can_be_left_out_and_drawn_later(scenario_file, tmp_path, capsys):
     path = scenario_file(BASE_YAML + "outputs: {tracks: 3}\n")
     folder = tmp_path / "case"
@@ -348,6 +360,7 @@ def test_figures_can_be_left_out_and_drawn_later(scenario_file, tmp_path, capsys
     assert {p.name for p in folder.iterdir()} == with_pictures
 
 
+@pytest.mark.slow
 def test_too_many_histories_are_refused_before_the_run(scenario_file, tmp_path, capsys):
     path = scenario_file(BASE_YAML + "outputs: {history: true, tracks: 1000}\n")
     more = "sweep.trajectory.speed={from: 1 m/s, to: 9 m/s, points: 200}"
@@ -358,6 +371,7 @@ def test_too_many_histories_are_refused_before_the_run(scenario_file, tmp_path, 
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_damaged_results_are_explained(scenario_file, tmp_path, capsys):
     path = scenario_file(BASE_YAML)
     assert exit_code(["run", str(path), "--quiet", "--output", str(tmp_path)]) == 0
@@ -368,6 +382,7 @@ def test_damaged_results_are_explained(scenario_file, tmp_path, capsys):
     assert "not the table that provenance.json beside it tells of" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_kernels_run_without_a_folder_for_compiled_code():
     """As on a machine where numba finds no folder that it may write to."""
     code = (
@@ -384,6 +399,7 @@ def test_kernels_run_without_a_folder_for_compiled_code():
     assert result.stdout.startswith("16 ['resampling_counts'")
 
 
+@pytest.mark.slow
 def test_cached_kernels_notice_changes_of_what_they_inline(tmp_path):
     """A kernel of bootstrap.py is compiled anew after an edit of random.py, and only then."""
     package = tmp_path / "mcsim"

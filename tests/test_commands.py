@@ -87,6 +87,7 @@ def test_every_command_that_writes_is_tried():
     assert writing - {"plot", "table"} == WRITING.keys()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRITING)
 def test_every_folder_has_a_provenance(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -114,6 +115,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(gum, "course_of_uncertainty", lambda model: course(model, groups=20))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TABLES)
 def test_every_table_sets_printed_beside_computed(name, tmp_path, quick, capsys):
     del quick
@@ -239,6 +241,7 @@ def test_a_figure_of_ones_own(own, capsys):
     assert '"98" is not one of 1, 2' in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_picture_of_ones_own(own, capsys):
     Path("case.yaml").write_text(BASE_YAML.replace("200", "20"))
     assert own("run", "case.yaml", "--output", "out") == 0

@@ -28,6 +28,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_table(tmp_path, scenario_file):
     from tests.conftest import BASE_YAML
 

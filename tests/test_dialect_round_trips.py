@@ -134,6 +134,7 @@ def same_all(first, second):
     return set(first) == set(second) and all(same(first[key], second[key]) for key in first)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("there", writable())
 def test_random_sensors_arrive_whole_or_are_refused(there):
     draw = random.Random(8)

@@ -220,6 +220,7 @@ def test_other_files_come_back_exactly(text, home, there):
     assert write_sensor(away, home, NOMINAL) == write_sensor(sensor, home, NOMINAL)
 
 
+@pytest.mark.slow
 def test_round_trips_through_every_dialect_are_exact_to_the_last_printed_digit():
     """Random decimal figures in data-sheet units: away by way of √2 and back, digit by digit."""
     draw = random.Random(3)

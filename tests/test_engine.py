@@ -123,6 +123,7 @@ def test_control_variates_narrow_the_rms_intervals():
         assert controlled[3] < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("overrides", [{}, ALL_ERRORS, HARD], ids=["base", "all", "hard"])
 def test_coverage_of_the_controlled_intervals(overrides):
     """Against a reference of 2 million controlled realizations; binomial bound at 1e-5.

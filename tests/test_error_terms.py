@@ -253,6 +253,7 @@ def test_realizations_with_all_terms_do_not_depend_on_how_they_are_run():
     np.testing.assert_array_equal(whole.controls, np.concatenate([q.controls for q in parts], 1))
 
 
+@pytest.mark.slow
 def test_terms_can_be_swept(tmp_path):
     s = scenario(
         {
@@ -312,6 +313,7 @@ def brute_force(p, white, samples, estimator):
     return own - 2.0 * estimator @ later + estimator @ joint @ estimator
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("terms", [{}, {"drift": 0.3, "correlation_time": 0.4},
                                    {"random_walk": 0.2, "bias_instability": 0.1}])  # fmt: skip
 def test_what_calibration_leaves_is_exact(terms):
@@ -344,6 +346,7 @@ def test_calibrating_white_noise_leaves_its_mean():
     assert heading == pytest.approx(expected, rel=CLOSE)
 
 
+@pytest.mark.slow
 def test_longer_calibration_helps_until_the_bias_wanders():
     """With random walk a calibration can be too long for the mean, not for the filter."""
 

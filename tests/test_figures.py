@@ -108,6 +108,7 @@ def test_one_dimensional_sweeps_and_names_on_axes():
     assert len(axes[0].containers) == 2
 
 
+@pytest.mark.slow
 def test_a_third_axis_stands_side_by_side():
     s = scenario(
         {
@@ -125,6 +126,7 @@ def test_a_third_axis_stands_side_by_side():
     assert "100 Hz" in axes[1].get_title()
 
 
+@pytest.mark.slow
 def test_several_sweeps_side_by_side(swept):
     figure = draw_side_by_side([swept, swept], "both")
     assert len(panels(figure)) == 8
@@ -176,6 +178,7 @@ def test_runs_without_tracks_draw_none():
     assert not TRACKS.wants(mcsim.run(scenario({"monte_carlo.realizations": 10})))
 
 
+@pytest.mark.slow
 def test_panels_of_different_paths_hold_the_others():
     """In a 3-D sweep each curve joins points of one slice only."""
     s = scenario(

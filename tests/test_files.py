@@ -58,6 +58,7 @@ def test_packed_files_are_known_by_their_content(tmp_path, ending, pack):
     assert "name it other.csv" in refusal(named)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ending", "pack"), PACKERS[:2])
 def test_bombs_are_refused_before_they_are_unpacked(tmp_path, ending, pack):
     bomb = tmp_path / f"bomb.csv{ending}"

@@ -101,6 +101,7 @@ def test_a_noise_level_that_changes_is_named(level, told):
     assert told in text.replace("399.", "400.").replace("79", "8")
 
 
+@pytest.mark.slow
 def test_healthy_output_is_not_blamed():
     """Also quantised, flickering and wandering; benchmarks/interval_coverage.txt has 200 logs."""
     rng = np.random.default_rng(5)

@@ -52,6 +52,7 @@ def test_each_limit_is_said(overrides, words):
         assert any(words in text for text in texts(p)), texts(p)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [

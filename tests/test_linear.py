@@ -124,6 +124,7 @@ def test_mean_length_of_plane_normal_vectors(centre, covariance, expected):
     assert ours == pytest.approx(expected, rel=1e-12, abs=1e-15)
 
 
+@pytest.mark.slow
 def test_mean_length_of_a_correlated_vector():
     from scipy.integrate import dblquad
 

@@ -169,6 +169,7 @@ def test_channels_of_a_bag_are_left_out_and_its_units_kept(tmp_path):
             read_log(path, ReadOptions(**options))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["ros1", "ros2", "mcap"])
 def test_damaged_bags_end_in_one_sentence(tmp_path, kind):
     """Bits flipped, lengths of nonsense, parts missing, another kind of file."""

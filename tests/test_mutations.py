@@ -103,6 +103,7 @@ def checked(tree, **keywords):
     check(Scenario.from_dict(tree, folder=Path("scenarios/paper"), **keywords))
 
 
+@pytest.mark.slow
 def test_mutated_scenarios_are_refused_or_valid():
     generator = random.Random(1)
     shipped = trees()

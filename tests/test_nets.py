@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 from scipy import stats
 
 import mcsim
@@ -72,6 +73,7 @@ def hits(shrink: float) -> np.ndarray:
     return count / 200
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say():
     """Binomial deviation of one rate is 0.015; fifteen are looked at, and are correlated."""
     rates = hits(1.0)

@@ -216,7 +216,7 @@ def order_of_convergence(integration: str) -> float:
 def problem_without_noise(p):
     from dataclasses import replace
 
-    errors = replace(p.sensor_errors, white=np.zeros(3), miscalibration=np.zeros(3))
+    errors = replace(p.sensor_errors, white=np.zeros(3), constants={})
     return replace(p, sensor_errors=errors, initial_deviations=np.zeros(12))
 
 

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -76,6 +77,7 @@ rest = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.slow
 @CALM
 @given(shape=shapes, motion=motions, values=rest)
 def test_random_scenarios_never_crash_and_keep_the_rules(shape, motion, values):
@@ -123,6 +125,7 @@ bodies = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.slow
 @CALM
 @given(shape=shapes, motion=motions, values=rest, body=bodies)
 def test_random_strapdown_scenarios_never_crash_and_keep_the_rules(shape, motion, values, body):
@@ -134,6 +137,7 @@ def test_random_strapdown_scenarios_never_crash_and_keep_the_rules(shape, motion
     keeps_the_rules(table)
 
 
+@pytest.mark.slow
 @CALM
 @given(shape=shapes, speed=amount(5, 30), seed=st.integers(0, 2**64 - 1))
 def test_doubling_all_noise_doubles_the_deviations_of_linear_errors(shape, speed, seed):
@@ -167,6 +171,7 @@ def test_random_text_is_refused_with_a_message(text):
 lines = BASE_YAML.splitlines()
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(
     line=st.integers(0, len(lines) - 1),

@@ -63,6 +63,7 @@ def test_philox_known_answers(counter, key, words):
     assert tuple(int(w) for w in random_numpy.philox(counter, key)) == words
 
 
+@pytest.mark.slow
 def test_xoshiro_known_answers():
     """First words from state 1, 2, 3, 4, as published with the reference C code's ports."""
     state = [np.uint32(i) for i in (1, 2, 3, 4)]
@@ -73,6 +74,7 @@ def test_xoshiro_known_answers():
     assert xoshiro_words(*state, 10).tolist() == known
 
 
+@pytest.mark.slow
 def test_logarithm_is_accurate_to_float32_over_all_words():
     words = np.concatenate(
         [
@@ -86,6 +88,7 @@ def test_logarithm_is_accurate_to_float32_over_all_words():
     np.testing.assert_allclose(logarithms(words), exact, rtol=3e-7, atol=2.5e-7)
 
 
+@pytest.mark.slow
 def test_normals_agree_with_exact_functions():
     rng = np.random.default_rng(1)
     radius, angle = rng.integers(0, 2**32, (2, 500_000)).astype(np.uint32)
@@ -106,6 +109,7 @@ def normals():
     return pairs(words[::2], words[1::2]).astype(float)
 
 
+@pytest.mark.slow
 def test_moments_of_normals(normals):
     """Raw moments to the 8th order: 0, 1, 0, 3, 0, 15, 0, 105, each within 5 standard errors."""
     z = normals.ravel()
@@ -203,6 +207,7 @@ def surveyed():
     return survey(2026, REALIZATIONS, SAMPLES)
 
 
+@pytest.mark.slow
 def test_survey_draws_what_the_twin_draws():
     """The survey's first moments over a few realizations equal those of the numpy twin."""
     powers, *_ = survey(5, 20, 50)
@@ -211,6 +216,7 @@ def test_survey_draws_what_the_twin_draws():
     np.testing.assert_allclose(powers[:, 2], (twin**2).sum(axis=(0, 2)), rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_moments_to_the_eighth_order_of_a_hundred_million(surveyed):
     n = REALIZATIONS * SAMPLES
     for channel in surveyed[0]:
@@ -221,6 +227,7 @@ def test_moments_to_the_eighth_order_of_a_hundred_million(surveyed):
             assert abs(channel[order] / n - expected) < 5 * error, order
 
 
+@pytest.mark.slow
 def test_channels_and_neighbours_of_a_hundred_million_are_independent(surveyed):
     _, cross, serial, _ = surveyed
     n = REALIZATIONS * SAMPLES
@@ -231,6 +238,7 @@ def test_channels_and_neighbours_of_a_hundred_million_are_independent(surveyed):
         assert abs(squares) < 5 * math.sqrt(8 * n)
 
 
+@pytest.mark.slow
 def test_distribution_and_tails_of_a_hundred_million(surveyed):
     """Chi-square over bins of 0.04 sigma, and the counts beyond 4, 5 and 6 sigma."""
     from scipy.stats import chi2, norm, poisson

@@ -29,6 +29,7 @@ def shares(p, truth, mc, rows=slice(None), margin=1e-9):
     return hits / TRIALS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["plain", "control_variate"])
 def test_intervals_hold_where_spikes_are_rare(estimator):
     """500 realizations have 25 spikes or so, of unequal weight; binomial bound at 1e-4."""
@@ -39,6 +40,7 @@ def test_intervals_hold_where_spikes_are_rare(estimator):
     assert np.all(found >= stats.binom.ppf(1e-4, TRIALS, 0.94) / TRIALS), found
 
 
+@pytest.mark.slow
 def test_control_must_fail_without_knowledge_of_spikes(monkeypatch):
     """The bootstrap alone knows only the spikes that it has seen."""
     p = problem(SPIKES)
@@ -59,6 +61,7 @@ def test_an_interval_holds_spikes_that_were_not_seen():
     assert "heading" not in result.notes
 
 
+@pytest.mark.slow
 def test_a_wanted_precision_waits_for_spikes():
     """One spike in 200 realizations: 1000 would do for the noise alone, not for the spikes."""
     p = problem({"sensors.accelerometer.spikes": {"rate": "0.001 Hz", "amplitude": "100 m/s^2"}})
@@ -83,6 +86,7 @@ def test_spikes_of_equal_weight_are_counted_as_what_they_are():
     assert p.measurement.spike_events(weights)[0] == pytest.approx(0.5 * expected, rel=0.01)
 
 
+@pytest.mark.slow
 def test_angles_that_may_wrap_take_no_control():
     """One realization in 2000 wraps: the linear model knows nothing of it."""
     p = problem({"initial.direction_error": "52 °"})
@@ -92,6 +96,7 @@ def test_angles_that_may_wrap_take_no_control():
     assert np.all(found >= stats.binom.ppf(1e-4, TRIALS, 0.94) / TRIALS), found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("overrides", [ALL_ERRORS, {"sensors.gyroscope.miscalibration": "3 °/s"}])
 def test_intervals_of_controlled_estimates_hold(overrides):
     """95 % of 500 realizations, against a million controlled ones; binomial bound at 1e-4."""

@@ -99,6 +99,7 @@ def test_what_convert_writes_is_read(tmp_path, capsys, target):
     assert again.scale_factor_error == pytest.approx(block.scale_factor_error)
 
 
+@pytest.mark.slow
 def test_what_characterise_writes_is_read_by_axis(tmp_path, capsys):
     rng = np.random.default_rng(1)
     channels = tuple(

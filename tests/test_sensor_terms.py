@@ -164,6 +164,7 @@ def with_effect(values, source):
     return p if np.any(p.linear.variances.get(source, 0.0)) else strapdown.problem(values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integration", ["rectangular", "trapezoidal"])
 @pytest.mark.parametrize(("element", "term"), OF_ELEMENT)
 def test_each_term_alone_has_the_linear_models_deviation(element, term, integration):
@@ -311,6 +312,7 @@ def distance(a, b):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("element", "term"), OF_ELEMENT)
 def test_kernels_and_simulated_logs_measure_alike(element, term):
     for written in ways(element, term):

@@ -152,6 +152,7 @@ def test_flicker_spectrum_falls_as_one_over_f():
     assert slope == pytest.approx(-1.0, abs=0.05)
 
 
+@pytest.mark.slow
 def test_gauss_markov_starts_in_its_stationary_state():
     """Trap: from zero, the deviation at the start would be nothing."""
     repeats, time = 4000, 50.0
@@ -197,6 +198,7 @@ def test_gauss_markov_peak_of_the_allan_deviation():
     assert found[0] < found[1] > found[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [10.0, 1000.0])
 def test_random_walk_grows_with_the_root_of_time_at_any_rate(rate):
     """Trap: steps of K dt instead of K √dt would be 10 times too small at 100 Hz."""
@@ -218,6 +220,7 @@ def test_random_walk_of_a_block_is_allans_k():
     assert np.sqrt((curves**2).mean()) == pytest.approx(1.0, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["miscalibration", "turn_on_bias"])
 def test_offsets_are_drawn_once_per_element(key):
     first, second = (measured(f"{key}: 1 mg", 10, seed=s) for s in (1, 2))
@@ -227,6 +230,7 @@ def test_offsets_are_drawn_once_per_element(key):
     assert np.std(drawn) == pytest.approx(1.0, rel=5 / math.sqrt(6000))
 
 
+@pytest.mark.slow
 def test_scale_factors_and_misalignments_have_their_deviations():
     ideal = np.array([[0.0, 0.0, 10.0]])
     text = "scale_factor_error: 1 %, misalignment: 2 mrad"

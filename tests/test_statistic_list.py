@@ -7,11 +7,11 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from mcsim.cli.tables import summary
 from scipy import stats
 
+import mcsim
 from mcsim import Scenario, run
-from mcsim.adding import add
+from mcsim.cli.summary import summary
 from mcsim.errors import InputError
 from mcsim.figures.single import draw_single
 from mcsim.figures.sweeps import draw_sweep
@@ -44,7 +44,7 @@ def _mean_magnitude(errors):
     return np.mean(np.abs(errors), axis=-1)
 
 
-MAD = Statistic("mad", "median absolute deviation", _median_deviation, never_negative=True)
+MAD = mcsim.Statistic("mad", "median absolute deviation", _median_deviation, never_negative=True)
 MAGNITUDE = Statistic("mean_abs", "mean magnitude", _mean_magnitude, never_negative=True)
 ALL = {**estimated(PERCENTILES), "p99": percentile(0.99), "mad": MAD, "mean_abs": MAGNITUDE}
 
@@ -52,8 +52,8 @@ ALL = {**estimated(PERCENTILES), "p99": percentile(0.99), "mad": MAD, "mean_abs"
 @pytest.fixture
 def added():
     """The median absolute deviation and the 99th percentile, as long as a test runs."""
-    add(MAD)
-    add(percentile(0.99))
+    mcsim.add(MAD)
+    mcsim.add(mcsim.percentile(0.99))
     yield
     STATISTICS.remove("mad")
     STATISTICS.remove("p99")

@@ -37,6 +37,7 @@ def test_rms_squared_is_mean_squared_plus_variance():
     assert value[2] ** 2 == pytest.approx(value[0] ** 2 + value[1] ** 2, rel=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sigmas", [2.0, 3.0])
 @pytest.mark.parametrize(("index", "statistic"), [(0, np.mean), (1, np.std), (2, rms)])
 def test_intervals_agree_with_scipys_bca_bootstrap(sigmas, index, statistic):
@@ -87,6 +88,7 @@ def coverage(n: int, sigmas: float, trials: int, shrink: float = 1.0) -> np.ndar
 TRIALS = 2000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [300, 5000])
 def test_coverage_at_two_sigma(n):
     """Binomial bounds at 1e-5; the bootstrap's own error at n = 300 is allowed one percent."""

@@ -18,11 +18,13 @@ import mcsim
 from mcsim import InputError
 from mcsim.checkpoints import Checkpoint
 from mcsim.cli.main import exit_code
+from mcsim.provenance import mark_of
 from mcsim.scenario_file import Scenario
 from mcsim.store import load, load_results
 from mcsim.writing import LOCK, alone_in, write_whole
 
 SHIPPED = Path(__file__).parent.parent / "results"
+LARGE = ("log", "spectrum")
 SCENARIO = """case: planar
 trajectory: {shape: half_cosine, length: 50 m, width: 5 m, speed: 20 m/s}
 sensors: {rate: 50 Hz, accelerometer: LSM330DL, gyroscope: LSM330DL}
@@ -70,6 +72,7 @@ def refusal(folder, capsys):
 TABLES = ("table.parquet", "budget.parquet", "history.parquet", "tracks.parquet")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*TABLES, "provenance.json"])
 @pytest.mark.parametrize("damage", ["empty", "cut", "flipped", "text", "folder", "pipe", "other's"])
 def test_damaged_parts_are_refused(result, stored, capsys, name, damage):
@@ -111,6 +114,7 @@ SWEPT = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("swept", [*SWEPT.values(), "undisturbed"], ids=[*SWEPT, "undisturbed"])
 def test_csv_holds_what_parquet_holds(tmp_path, swept):
     """Floats to the last bit, empty notes, tables without any value: read from either."""
@@ -157,6 +161,11 @@ def test_shipped_results_are_read():
     assert not list(SHIPPED.rglob("*.parquet"))
     for folder in runs:
         assert load_results(folder).budget is not None
+    for provenance in SHIPPED.rglob("provenance.json"):
+        for name, mark in json.loads(provenance.read_text()).get("files", {}).items():
+            file = provenance.parent / name
+            # Simulated logs and their full spectra are not shipped.
+            assert mark_of(file.read_bytes()) == mark if file.exists() else file.stem in LARGE
 
 
 @pytest.mark.parametrize(
@@ -182,6 +191,7 @@ def test_tables_without_marks_are_looked_at(result, capsys, change):
     assert "table.parquet" in refusal(result, capsys)
 
 
+@pytest.mark.slow
 def test_a_table_without_any_number_is_drawn(result):
     """A figure of nothing but missing values is empty, and no warning."""
     provenance = json.loads((result / "provenance.json").read_text())
@@ -207,6 +217,7 @@ def checkpoint_of(tmp_path):
     return Checkpoint.of(scenario, tmp_path / "scenario")
 
 
+@pytest.mark.slow
 def test_every_flipped_bit_of_a_checkpoint_is_found(tmp_path):
     """What is read is what was written, or it is left out."""
     checkpoint = checkpoint_of(tmp_path)
@@ -229,6 +240,7 @@ def _with(record, **changes):
     return {**record, **changes}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "forge",
     [
@@ -261,6 +273,7 @@ def test_lines_that_do_not_fit_are_computed_again(tmp_path, stored, forge):
     assert not checkpoint.path.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("content", "told"),
     [
@@ -302,6 +315,7 @@ def test_what_stands_in_a_checkpoints_place_is_refused(tmp_path, kind):
     assert precious.read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_a_run_that_is_stopped_while_it_writes_is_not_taken_for_another(tmp_path, monkeypatch):
     """Tables of seed 4 beside the provenance of seed 3, whenever the second run stops."""
     run(tmp_path)
@@ -356,6 +370,7 @@ def test_what_a_kill_leaves_beside_a_file_is_removed(tmp_path):
     assert {file.name for file in tmp_path.iterdir()} == {"table.csv", *others}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_other_signals_end_a_run_as_ctrl_c_does(tmp_path, number):
     path = tmp_path / "case.yaml"

@@ -196,6 +196,7 @@ def test_the_kernel_sides_with_the_closed_form(entries):
         assert e.exact == pytest.approx(e.with_9_8 * 9.80665 / 9.8, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_table_command_prints_and_writes(tmp_path, capsys):
     file = tmp_path / "leakage.csv"
     assert exit_code(["table", "gravity-leakage", "--csv", str(file)]) == 0

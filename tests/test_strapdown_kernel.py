@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from mcsim.kernels.quaternion import attitude, euler_angles
 from mcsim.units import STANDARD_GRAVITY as G
 from tests.conftest import ALL_ERRORS, NO_NOISE
 from tests.conftest import problem as planar_problem
@@ -321,6 +322,25 @@ def test_euler_angles_at_the_vertical_have_no_roll(sign):
     assert states[6, 0] == 0.0
     assert states[7, 0] == pytest.approx(sign * math.pi / 2, abs=1e-9)
     assert states[8, 0] == pytest.approx(0.5 - sign * 0.3, abs=1e-9)
+
+
+@pytest.mark.parametrize("angles", [(0.2, -0.7, 2.9), (0.0, 0.0, -3.0), (-1.0, 1.2, 0.1)])
+def test_attitudes_from_and_to_angles_agree_with_scipy(angles):
+    """What rules of a user's own begin and end with."""
+    q = attitude(*angles)
+    w, x, y, z = q
+    scipys = Rotation.from_euler("ZYX", angles[::-1])
+    np.testing.assert_allclose(
+        Rotation.from_quat([x, y, z, w]).as_matrix(), scipys.as_matrix(), atol=1e-15
+    )
+    np.testing.assert_allclose(euler_angles(*q), angles, atol=1e-14)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_angles_at_the_vertical_have_no_roll(sign):
+    found = euler_angles(*attitude(0.3, sign * math.pi / 2, 0.5))
+    assert found[0] == 0.0
+    np.testing.assert_allclose(found[1:], [sign * math.pi / 2, 0.5 - sign * 0.3], atol=1e-12)
 
 
 # ---- convergence -----------------------------------------------------------------------

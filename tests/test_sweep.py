@@ -28,6 +28,7 @@ def files_of(folder):
     return sorted(path.name for path in folder.iterdir())
 
 
+@pytest.mark.slow
 def test_table_is_tidy_and_complete(tmp_path):
     s = Scenario.from_yaml(BASE_YAML)
     results = mcsim.run(s, output=tmp_path)
@@ -53,6 +54,7 @@ def test_table_is_tidy_and_complete(tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_csv_and_parquet_hold_the_same_numbers(tmp_path):
     results = mcsim.run(Scenario.from_yaml(BASE_YAML), output=tmp_path)
     folder = tmp_path / "scenario"
@@ -103,6 +105,7 @@ def test_points_have_streams_of_their_own_unless_common():
         assert bool(heading[0] == heading[1]) == common
 
 
+@pytest.mark.slow
 def test_provenance_tells_how_to_repeat_the_run(tmp_path):
     s = Scenario.from_yaml(BASE_YAML)
     results = mcsim.run(s, output=tmp_path)
@@ -142,6 +145,7 @@ def test_resolved_ratios_read_back():
         Scenario.from_dict(resolved)
 
 
+@pytest.mark.slow
 def test_stored_results_load_with_their_scenario(tmp_path):
     s = scenario(
         {
@@ -161,6 +165,7 @@ def test_stored_results_load_with_their_scenario(tmp_path):
     assert not [name for name in files_of(tmp_path / "base") if "tracks" in name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("offsets", ["random", "sobol"])
 @pytest.mark.parametrize("estimator", ["plain", "control_variate", "linear"])
 @pytest.mark.parametrize("count", [300, 6000])
@@ -194,6 +199,7 @@ class Stopped(Exception):
     pass
 
 
+@pytest.mark.slow
 def test_a_killed_sweep_goes_on_where_it_was(tmp_path):
     """Stopped after two points, its checkpoint cut mid-line: the same bits as undisturbed."""
     s = Scenario.from_yaml(BASE_YAML)
@@ -304,6 +310,7 @@ def test_results_are_frozen():
     assert replace(results, history=None) is not results
 
 
+@pytest.mark.slow
 def test_two_runs_in_one_folder_do_not_mix(tmp_path):
     """Their checkpoints have different names: neither reads nor cuts the other's."""
     one = Scenario.from_yaml(BASE_YAML)

@@ -29,6 +29,7 @@ def write(path, stamps, values=NOISE):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "loss"),
     [
@@ -51,6 +52,7 @@ def test_losses_are_told_from_all_that_looks_like_one(name, loss):
     assert abs(rate) < 1e-3
 
 
+@pytest.mark.slow
 def test_the_place_of_a_loss_is_found():
     """Within a few rows, as well as 30 % jitter tells it."""
     index = np.delete(np.arange(ROWS + 2), [1000, 2500])
@@ -151,6 +153,7 @@ def test_the_advice_of_every_refusal_works(tmp_path, case):
         assert log.timing.stamped or any("set aside" in note for note in log.notes)
 
 
+@pytest.mark.slow
 def test_the_advice_for_a_hole_in_a_vibration_works(tmp_path, capsys):
     path = write(tmp_path / "log.csv", TIME + 9.0 * (np.arange(ROWS) >= 1000))
     arguments = ["vibration", str(path), "--output", str(tmp_path / "out"), "--quiet"]

@@ -9,13 +9,14 @@ import jsonschema
 import numpy as np
 import pytest
 
+import mcsim
 from mcsim import Scenario, run
 from mcsim.errors import InputError
 from mcsim.scenario.fields import Length
 from mcsim.scenario.paths import find_scalar, scalars
 from mcsim.scenario_file.schema import scenario_schema
 from mcsim.systems.planar.scenario import PlanarScenario
-from mcsim.tracks import TRACKS, DrivenTrackBlock, Track, along, drive_of
+from mcsim.tracks import TRACKS, drive_of
 from mcsim.trajectory.curves import ClothoidCurve
 from tests.conftest import BASE, BASE_YAML
 
@@ -146,7 +147,7 @@ def test_position_and_heading_are_continuous_and_have_the_stated_derivatives(nam
         np.testing.assert_allclose(slope, rate, atol=1e-4)
 
 
-class Spiral(DrivenTrackBlock):
+class Spiral(mcsim.DrivenTrackBlock):
     """A clothoid in and out, written by a user."""
 
     shape: Literal["spiral"]
@@ -169,7 +170,7 @@ SPIRAL = BASE_YAML.replace(
 @pytest.fixture
 def spiral():
     """A shape that is added, and taken off the list afterwards."""
-    TRACKS.add(Track("spiral", Spiral, along(_spiral)))
+    mcsim.add(mcsim.Track("spiral", Spiral, mcsim.along(_spiral)))
     yield
     TRACKS.remove("spiral")
 
@@ -203,5 +204,5 @@ def test_a_shape_that_was_taken_away_is_unknown(scenario_file):
 
 def test_a_shape_whose_block_has_another_name_is_refused():
     with pytest.raises(InputError, match=r'Spiral must say `shape: Literal\["helix"\]`'):
-        TRACKS.add(Track("helix", Spiral, along(_spiral)))
+        mcsim.add(mcsim.Track("helix", Spiral, mcsim.along(_spiral)))
     assert "helix" not in TRACKS

@@ -19,6 +19,7 @@ from mcsim.gum.tables import BUDGET_COLUMNS, budget_table, comparison_table
 from mcsim.gum.words import comparison_words
 from mcsim.papers import velocity_tables
 from mcsim.results import at_the_end
+from mcsim.simulation.running import adjoint_weights
 from mcsim.systems import problem_of
 from mcsim.systems.velocity.linear import accelerations
 from mcsim.systems.velocity.truth import run_motion, within_intervals
@@ -151,6 +152,7 @@ def test_one_run_has_no_scatter():
 # Linear model
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SENSORS)
 @pytest.mark.parametrize("stamps", ["independent", "stamps"])
 def test_covariance_agrees_with_a_million_groups(name, stamps):
@@ -169,6 +171,7 @@ def test_covariance_agrees_with_a_million_groups(name, stamps):
     assert abs(summed.summed_total[-1] / np.sqrt(linear.second_moment[3]) - 1.0) > 0.1
 
 
+@pytest.mark.slow
 def test_controls_have_the_moments_of_the_linear_model():
     p = problem("a2", sensor__time_errors="stamps")
     controls = p.simulate(4, 0, 200_000, controls=True).controls
@@ -192,6 +195,31 @@ def test_complex_step_agrees_with_differences():
         slope = (accelerations(p.raw, high, 0) - accelerations(p.raw, low, 0)) / (2 * step)
         weight = p.uncertainties[k] * p.interval * slope.sum()
         assert p.weights.group[-1, k] == pytest.approx(weight, rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("order", ["first", "second", "exact"])
+@pytest.mark.parametrize("stamps", ["independent", "stamps"])
+def test_closed_form_weights_are_those_of_the_steps_themselves(order, stamps):
+    """The frame's adjoint over a run, of all that its samples and its group draw."""
+    p = problem("a2", tilt__order=order, sensor__time_errors=stamps, instants=["1.5 s"])
+    (samples,), (drawn,) = adjoint_weights(p._system, p.signals)
+    close = {"rtol": 1e-6, "atol": 1e-12}
+    w = p.weights
+    np.testing.assert_allclose(samples[1:, :3] * p.white, w.steps[:, :3], **close)
+    inputs = len(p.inputs)
+    # Calibration acts on the run and the tilt, which cancel in part: to differences' 1e-7 of each.
+    each = p.inputs[-1] * len(p.raw) * p.interval * p.uncertainties
+    gap = drawn[:inputs] * p.uncertainties - w.group[-1]
+    assert np.all(np.abs(gap) < 1e-6 * np.abs(w.group[-1]) + 1e-7 * each)
+    assert drawn[inputs - 1] * p.uncertainties[-1] == pytest.approx(w.group[-1, -1], rel=1e-6)
+    # An interval errs by the difference of the stamps at its ends, or by itself.
+    time = w.steps[:, 3]
+    if stamps == "stamps":
+        time = time - np.append(time[1:], 0.0)
+    np.testing.assert_allclose(samples[1:, 3], time, rtol=1e-6, atol=1e-9 * np.abs(time).max())
+    # An offset acts on every sample of the run, and the rest is drawn by itself.
+    assert np.all(samples[0] == 0.0)
+    np.testing.assert_allclose(samples[1:, :3].sum(axis=0), len(p.raw) * w.per_sample, rtol=1e-6)
 
 
 # Budget
@@ -422,6 +450,7 @@ def test_sentences_of_the_budget_follow_from_its_numbers(overrides, said, unsaid
     assert unsaid not in words
 
 
+@pytest.mark.slow
 def test_a_run_without_uncertainty_says_so(tmp_path):
     zero = {
         **{
@@ -475,6 +504,7 @@ def test_bad_scenarios_are_explained(overrides, message):
         mcsim.run(scenario(**overrides))
 
 
+@pytest.mark.slow
 def test_sweeps_and_tables_work_as_in_the_planar_case(tmp_path):
     s = Scenario.from_yaml(
         FOLDER / "a1.yaml",
@@ -517,6 +547,7 @@ def test_linear_answers_agree_with_monte_carlo():
     np.testing.assert_allclose(rows["linear"][not_means], rows["plain"][not_means], rtol=0.02)
 
 
+@pytest.mark.slow
 def test_runs_are_kept_and_drawn_over_time(tmp_path):
     outputs = {"outputs": {"tracks": 5, "history": True}, "monte_carlo__realizations": 100}
     results = mcsim.run(scenario(**outputs), output=tmp_path)
@@ -547,6 +578,7 @@ def test_extreme_but_legal_numbers_stay_finite(overrides):
     assert "nan" not in comparison_words(course)
 
 
+@pytest.mark.slow
 def test_table_2_sets_like_beside_like(monkeypatch):
     """What was measured once stands beside the distribution of the same quantity."""
     monkeypatch.setattr(velocity_tables, "GROUPS", 400)

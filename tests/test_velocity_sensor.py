@@ -14,7 +14,8 @@ from mcsim.engine import run_point
 from mcsim.gum import course_of_uncertainty
 from mcsim.gum.tables import comparison_table
 from mcsim.gum.words import comparison_words
-from mcsim.kernels.velocity_measured import REST_NOISE, constant_rows
+from mcsim.kernels.velocity import drawn_rows
+from mcsim.kernels.velocity_system import REST_NOISE
 from mcsim.simulation.nets import net_normals
 from mcsim.systems import check_point, problem_of
 from mcsim.systems.velocity.measured import GroupSamples, ProcessSums
@@ -205,6 +206,7 @@ def test_controls_are_the_linear_errors():
         assert (sample.controls[2::3] == 0.0).all()
 
 
+@pytest.mark.slow
 def test_controls_have_the_moments_that_the_estimator_assumes():
     p = problem(EVERY)
     controls = p.simulate(4, 0, 100_000, controls=True).controls
@@ -273,6 +275,7 @@ BLOCKS = {
 GROUPS = 5000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TWIN)
 def test_a_naive_simulation_has_the_same_distribution(name):
     p = problem(BLOCKS[name])
@@ -283,6 +286,7 @@ def test_a_naive_simulation_has_the_same_distribution(name):
         assert ks_2samp(one, other).pvalue > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "mistake"),
     [
@@ -301,6 +305,7 @@ def test_common_mistakes_would_be_seen(name, mistake):
     assert min(ks_2samp(a, b).pvalue for a, b in zip(naive, ours, strict=True)) < 1e-6
 
 
+@pytest.mark.slow
 def test_flicker_is_that_of_kasdin():
     """The sum of processes against exact 1/f noise: deviations within 3 % and sampling error."""
     groups = 2000
@@ -332,7 +337,7 @@ def test_what_is_drawn_once_is_measured_exactly():
     }
     p = known(block, sensor__noise=dict.fromkeys("xyz", "0 g"))
     groups = 64
-    z = net_normals(5, 0, groups, groups, constant_rows(9)).astype(float)
+    z = net_normals(5, 0, groups, groups, drawn_rows(True, 9)).astype(float)
     mixing = np.zeros((groups, 3, 3))
     for row, entry in enumerate(p.measurement.errors.mixing):
         mixing[:, entry.target, entry.source - 3] = z[17 + row]
@@ -503,6 +508,7 @@ def test_a_catalogue_sensor_gives_noise_density_and_terms():
     )
 
 
+@pytest.mark.slow
 def test_terms_and_sensors_can_be_swept(tmp_path):
     s = Scenario.from_yaml(
         FOLDER / "a1.yaml",

@@ -388,6 +388,7 @@ def test_orders_of_an_engine_are_found_in_noise():
 # The command
 
 
+@pytest.mark.slow
 def test_a_scenario_becomes_tables_and_a_picture(tmp_path, capsys):
     path = shipped_scenarios() / "vibration" / "engine.yaml"
     assert exit_code(["vibration", str(path), "--output", str(tmp_path)]) == 0
@@ -433,6 +434,7 @@ def test_logs_that_tell_nothing_are_refused(tmp_path, capsys, column, options, m
         assert exit_code([*arguments, "--rate", "100 Hz", "--quiet"]) == 0
 
 
+@pytest.mark.slow
 def test_a_log_is_analysed_like_the_scenario_it_came_from(tmp_path, capsys):
     path = shipped_scenarios() / "vibration" / "elevator.yaml"
     assert exit_code(["vibration", str(path), "--output", str(tmp_path), "--quiet"]) == 0
@@ -490,6 +492,7 @@ def test_runs_and_checks_know_the_case(capsys):
 # Tables 5.1 and 5.2
 
 
+@pytest.mark.slow
 def test_table_of_sensors_finds_the_noise_that_was_put_in():
     """By the flat part of the spectrum, quantisation included; not by Eq. (5.1)."""
     table = sensor_table("density", duration=60.0).set_index(["sensor", "axis"])
@@ -551,6 +554,7 @@ def test_sensors_without_noise_are_asked_for_it(tmp_path):
         read_vibration(path, "LIS33DE")
 
 
+@pytest.mark.slow
 def test_an_ac_coupled_sensor_of_one_axis_reads_no_gravity(tmp_path):
     """The piezo reference lies along the excitation; a MEMS sensor reads gravity on its z axis."""
     for along in AXES:

@@ -4,7 +4,8 @@ mcsim --with docs/examples/lab_sheet.py convert SENSOR --to lab-sheet
 """
 
 import mcsim
-from mcsim import InputError, Term
+from mcsim import InputError
+from mcsim.dialects import Description, Reading, Term, two_sided, without_words
 
 # Name in the sheet, element, key of mcsim's, unit; and how a list of all tools shows it.
 TERMS = (
@@ -29,20 +30,20 @@ def read(text, source, assumptions):
             elements[term.element] = {term.key: (float(held[term.name]) * term.si,)}
         except (KeyError, ValueError):
             raise InputError(f"{source}: needs a line such as `{term.name} 0.2`") from None
-    return mcsim.Reading(mcsim.Description(held.get("SENSOR"), None, elements))
+    return Reading(Description(held.get("SENSOR"), None, elements))
 
 
 def write(sensor, assumptions):
     lines = [f"SENSOR {sensor.name}"] if sensor.name else []
     for term in TERMS:
         # Allan's N, be it given as such or as a one-sided density.
-        values = mcsim.two_sided(sensor.elements.get(term.element, {}), term.element)
+        values = two_sided(sensor.elements.get(term.element, {}), term.element)
         if values is None:
             raise InputError(f"the sheet needs the white noise of the {term.element}")
         lines.append(f"{term.name} {assumptions.one(values, term.key) / term.si!r}")
     # What the sheet has no words for is said.
     carried = ["noise_density", *(term.key for term in TERMS)]
-    return "\n".join([*mcsim.without_words(sensor, carried), *lines]) + "\n"
+    return "\n".join([*without_words(sensor, carried), *lines]) + "\n"
 
 
 mcsim.add(

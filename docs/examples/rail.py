@@ -10,7 +10,6 @@ import numpy as np
 
 import mcsim
 from mcsim.kernels.rotation import turn  # sine and cosine would not vectorise
-from mcsim.scenario.fields import NotNegative, Speed
 
 
 class Motion(NamedTuple):  # what is believed at the start, and compared at the end
@@ -62,7 +61,7 @@ class RailScenario(mcsim.CaseScenario):
     case: Literal["rail"]
     trajectory: mcsim.Trajectory
     sensors: mcsim.Sensors
-    speed_error: Annotated[Speed, NotNegative] = 0.0
+    speed_error: Annotated[mcsim.fields.Speed, mcsim.fields.NotNegative] = 0.0
 
 
 def problem(model, folder):

@@ -79,10 +79,21 @@ class UncertaintyBudget(Found):
 def budget(scenario: Scenario) -> UncertaintyBudget:
     """Propagate a velocity scenario's uncertainties through a step and over its run.
 
+    Parameters
+    ----------
+    scenario : Scenario
+        Of ``case: velocity``, with a block ``budget``, without a sweep.
+
+    Returns
+    -------
+    UncertaintyBudget
+        ``table`` (the 26 rows of a step) and ``comparison`` (uncertainty of the velocity over time,
+        m/s, by method), with ``words`` and ``write(folder)``.
+
     Raises
     ------
     InputError
-        See ``check_budget``, or a run that cannot be sampled.
+        Another case, a sweep, a single run, no block ``budget``, or a run that cannot be sampled.
     """
     model = check_budget(scenario)
     return UncertaintyBudget(scenario, step_budget(model), course_of_uncertainty(model))

@@ -93,6 +93,12 @@ def calibrate(
     tell : callable, optional
         Hears what was noticed about a CSV.
 
+    Returns
+    -------
+    Calibration
+        ``fit`` with ``matrix`` (3, 3) and ``bias`` (3,) in fractions of g, the tables ``table``
+        and ``residuals``, the scenario's block as text, and ``write(folder)``.
+
     Raises
     ------
     InputError

@@ -118,6 +118,12 @@ def characterise(
     tell : callable
         Hears what is being done.
 
+    Returns
+    -------
+    SensorCharacterisation
+        ``sensor`` (the text of a sensor file), the tables ``allan`` and ``psd`` (m/s² and rad/s),
+        ``verdict`` in sentences, and ``write(folder)``.
+
     Raises
     ------
     InputError

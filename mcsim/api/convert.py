@@ -104,6 +104,11 @@ def convert(
     axis : str, optional
         ``x``, ``y``, ``z`` or ``largest``, for tools with one value for all axes.
 
+    Returns
+    -------
+    Translation
+        ``texts`` and ``refused`` by dialect, ``sensor`` in SI units, ``notes``.
+
     Raises
     ------
     InputError
@@ -145,6 +150,11 @@ def convert_quantity(
     rate : float, optional
         Sampling rate (Hz), where it is needed.
 
+    Returns
+    -------
+    Conversion
+        ``meaning``, what the figure was taken for, and ``rows``, its forms with their conventions.
+
     Raises
     ------
     InputError
@@ -166,8 +176,14 @@ def read_parameters(
     Parameters
     ----------
     file : path
+        In any dialect of ``mcsim.dialects.readable()``.
     source, assume, rate
         As of ``convert``.
+
+    Returns
+    -------
+    Parameters
+        ``sensor`` (the text of a sensor file), ``convention``, ``notes``, and ``write(folder)``.
 
     Raises
     ------

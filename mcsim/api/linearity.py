@@ -97,6 +97,11 @@ def linearity(
     tell : callable, optional
         Hears what was noticed about a CSV.
 
+    Returns
+    -------
+    Linearity
+        ``table`` (slope, offset and their uncertainties), ``words`` and ``write(folder)``.
+
     Raises
     ------
     InputError

@@ -96,6 +96,16 @@ KINDS: Registry[ScenarioKind] = Registry(
 def validate(file: str | Path) -> Validity:
     """Check a scenario file without running it.
 
+    Parameters
+    ----------
+    file : path
+        A scenario (YAML) of a run or of a vibration.
+
+    Returns
+    -------
+    Validity
+        ``points`` of its sweep, and ``notes`` on what it says without effect.
+
     Raises
     ------
     InputError
@@ -109,7 +119,17 @@ def validate(file: str | Path) -> Validity:
 
 
 def schema(kind: str = "scenario") -> dict[str, Any]:
-    """The JSON schema (draft 7) of a kind of scenario files: ``scenario`` or ``vibration``.
+    """The JSON schema (draft 7) of a kind of scenario files.
+
+    Parameters
+    ----------
+    kind : str
+        ``scenario`` or ``vibration``.
+
+    Returns
+    -------
+    dict
+        As ``json.dumps`` writes it; parts of one's own are in it.
 
     Raises
     ------

@@ -121,6 +121,12 @@ def analyse_vibration(
     tell : callable
         Hears what takes long.
 
+    Returns
+    -------
+    Vibration
+        ``analysis`` with the tables ``table`` (peak, RMS; m/s²), ``spectrum``, ``density``
+        ((m/s²)²/Hz) and ``orders``, and ``write(folder)``.
+
     Raises
     ------
     InputError

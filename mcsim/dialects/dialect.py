@@ -13,10 +13,26 @@ from mcsim.dialects.terms import Term
 class Dialect:
     """How one tool writes a sensor.
 
-    ``convention`` says what its noise numbers mean; ``recognises`` whether a text is written
-    in it.  ``read`` takes a text, its name for messages, and the user's answers; ``write`` a
-    description and the answers.  Either is None where it makes no sense.  ``terms`` are the
-    numbers that a single noise figure becomes in it; ``ending`` is that of its files.
+    Parameters
+    ----------
+    name : str
+        What ``--from`` and ``--to`` call it.
+    title : str
+        What a text in it is.
+    convention : str
+        What its noise numbers mean; said at the head of what is written.
+    recognises : callable or None
+        Whether a text is written in it.
+    read : callable or None
+        Takes a text, its name for messages, and the user's answers; None where it is not read.
+    write : callable or None
+        Takes a description and the user's answers; None where it is not written.
+    comment : str
+        What begins a comment; '' where it knows none, and nothing is said at the head.
+    terms : tuple of Term
+        The numbers that a single noise figure becomes in it.
+    ending : str
+        That of the names of its files.
     """
 
     name: str

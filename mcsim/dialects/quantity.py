@@ -65,7 +65,15 @@ class Row:
 
 @dataclass(frozen=True)
 class Conversion:
-    """A figure in all its forms; ``meaning`` says what it was taken for."""
+    """A figure in all its forms.
+
+    Attributes
+    ----------
+    meaning : str
+        What it was taken for.
+    rows : tuple of Row
+        Its forms, each with the dialects that write it so.
+    """
 
     meaning: str
     rows: tuple[Row, ...]

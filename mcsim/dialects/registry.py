@@ -113,6 +113,8 @@ def write_sensor(sensor: Description, name: str, assumptions: Assumptions) -> st
     if dialect.write is None:
         raise InputError(f"{dialect.name} is not written: its numbers do not say what they are")
     body = dialect.write(sensor, assumptions)
+    if not dialect.comment:
+        return body
     head = textwrap.wrap(
         f"{dialect.title}: {dialect.convention}.",
         _COMMENT_WIDTH,

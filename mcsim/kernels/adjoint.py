@@ -24,10 +24,11 @@ from mcsim.kernels.system import (
     Sensors,
     advance,
     begin,
-    finish,
+    enter,
     keep,
     linear_rows,
     numbers,
+    outcome,
     start_offsets,
 )
 
@@ -76,13 +77,13 @@ def adjoint(
     sensors : Sensors
         Their signals; errors do not matter.
     samples : float64 (e, n + 1, c), written
-        Weights of the errors of each sample's channels.
+        Weights of the errors of all that each sample's step reads.
     constants_weights : float64 (e, k), written
         Weights of what a realization draws once, apart from what offsets do by the samples.
     states : float64 (n + 1, s), written
         The undisturbed states.
     """
-    n_channels, n_constants, n_linear, at_offsets, _, _, end = numbers(system)
+    n_signals, n_channels, n_constants, n_linear, at_offsets, _, _, end = numbers(system)
     signals = sensors.signals
     n = signals.shape[0] - 1
     size = at_offsets // LANES
@@ -94,12 +95,12 @@ def adjoint(
     jacobian = np.empty((size, size + n_channels))
     sensitivity = np.empty((n_linear, size))
 
-    _read(signals, 0, measured)
+    _read(signals, 0, n_signals, measured)
     _start(system, constants, sensors, scratch, measured, rows)
     _keep_state(rows, states, 0)
     for i in range(1, n + 1):
-        _read(signals, i, measured)
-        advance(system, measured, rows)
+        _read(signals, i, n_signals, measured)
+        advance(system, system.way, measured, rows)
         _keep_state(rows, states, i)
     _end(system, states[n], rows, steps, sensitivity)
     for i in range(n, 0, -1):
@@ -107,8 +108,9 @@ def adjoint(
             steps[row] = _vary(row_of(rows, row), row, states[i - 1, row])
         for channel in range(n_channels):
             number = size + channel
-            steps[number] = _vary(row_of(measured, channel), number, signals[i, channel])
-        advance(system, measured, rows)
+            value = _signal(signals, i, channel, n_signals)
+            steps[number] = _vary(row_of(measured, channel), number, value)
+        advance(system, system.way, measured, rows)
         for row in range(size):
             for number in range(size + n_channels):
                 jacobian[row, number] = _slope(row_of(rows, row), number, steps[number])
@@ -117,11 +119,12 @@ def adjoint(
         sensitivity[:] = moved[:, :size]
     # Sample 0, then what is drawn once, one block of normals after the other.
     for channel in range(n_channels):
-        steps[channel] = _vary(row_of(measured, channel), channel, signals[0, channel])
+        value = _signal(signals, 0, channel, n_signals)
+        steps[channel] = _vary(row_of(measured, channel), channel, value)
     _start(system, constants, sensors, scratch, measured, rows)
     for channel in range(n_channels):
         samples[:, 0, channel] = sensitivity @ _slopes(rows, size, channel, steps[channel])
-    _read(signals, 0, measured)
+    _read(signals, 0, n_signals, measured)
     for first in range(0, n_constants, MOST_VARIED):
         last = min(first + MOST_VARIED, n_constants)
         constants[:] = 0.0
@@ -144,9 +147,15 @@ def _slopes(rows, size, number, step):
 
 
 @scalar
-def _read(signals, i, measured):
+def _signal(signals, i, channel, channels):
+    """What a step reads without errors; normals that it reads as they are, are zero."""
+    return signals[i, channel] if channel < channels else 0.0
+
+
+@scalar
+def _read(signals, i, channels, measured):
     for channel in range(len(measured) // LANES):
-        row_of(measured, channel)[:] = signals[i, channel]
+        row_of(measured, channel)[:] = _signal(signals, i, channel, channels)
 
 
 @scalar
@@ -154,6 +163,7 @@ def _start(system, constants, sensors, scratch, measured, rows):
     start_offsets(system, constants, rows)
     begin(system, constants, sensors, scratch, rows)
     keep(system, constants, measured, rows)
+    enter(system, 0, constants, np.zeros(LANES, np.float32), rows)
 
 
 @scalar
@@ -168,7 +178,7 @@ def _end(system, state, rows, steps, sensitivity):
     errors = np.empty((len(linear_rows(system)) + 2, LANES))
     for row in range(len(state)):
         steps[row] = _vary(row_of(rows, row), row, state[row])
-    finish(system, rows, 0, LANES, errors)
+    outcome(system, rows, errors)
     wanted = linear_rows(system)
     for e in range(len(wanted)):
         for row in range(len(state)):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import os
+import re
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
@@ -18,27 +20,73 @@ from numba import njit
 unkept: list[str] = []
 
 config: Any = _numba_config
+_FIRST = re.compile(r"^(?:@|def |class )", re.MULTILINE)
+_FOLDER, _PACKAGE = Path(__file__).parent, "mcsim.kernels"
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
+def sources_of(*files: Path) -> list[Path]:
+    """Some source files and the kernel modules that they import, directly or not.
+
+    Kernel modules are those of the folder ``kernels`` that a file lies in, or else of this one.
+    """
+    found: set[Path] = set()
+    open_files = list(files)
+    while open_files:
+        path = open_files.pop()
+        if path not in found:
+            found.add(path)
+            open_files += _imported(path)
+    return sorted(found)
+
+
+def _imported(path: Path) -> list[Path]:
+    """The kernel modules that a source file imports itself."""
+    folder = path.parent if path.parent.name == _PACKAGE.rpartition(".")[2] else _FOLDER
+    names: set[str] = set()
+    for node in _head(path.read_text("utf-8")).body:
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module == _PACKAGE:
+            names.update(f"{_PACKAGE}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names.add(node.module)
+    own = [n.removeprefix(f"{_PACKAGE}.") for n in names if n.startswith(f"{_PACKAGE}.")]
+    return [file for file in (folder / f"{name}.py" for name in own) if file.exists()]
+
+
+def _head(source: str) -> ast.Module:
+    """What stands before the first function or class: parsing it all would take too long."""
+    end = _FIRST.search(source)
+    try:
+        return ast.parse(source[: end.start()] if end else source)
+    except SyntaxError:  # it was a line of the docstring
+        return ast.parse(source)
+
+
 @cache
-def _source_digest() -> str:
-    """Digest of all kernel sources: what any of them is compiled from."""
+def source_digest(*files: Path) -> str:
+    """Digest of some source files and of all kernel modules that they import, directly or not."""
     digest = hashlib.blake2b(digest_size=16)
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.read_bytes())
+    for path in sources_of(*files):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
 
 
+def file_of(function: Callable[..., Any]) -> Path:
+    """The source file of a function."""
+    return Path(function.__code__.co_filename)
+
+
 def _stamp(compiled: Any) -> None:
-    """Make a cached kernel stale when any kernel source changes.
+    """Make a cached kernel stale when a source changes that it is compiled from.
 
     Numba looks at the kernel's own file only, and would go on using a kernel whose
     inlined functions have changed in another one.
     """
     # Not a public part of numba: where it is missing, numba's own stamp serves.
     with suppress(AttributeError):
-        compiled._cache._cache_file._source_stamp = _source_digest()
+        compiled._cache._cache_file._source_stamp = source_digest(file_of(compiled.py_func))
 
 
 def _use_full_vectors() -> None:
@@ -96,11 +144,12 @@ def kernel(function: _Function) -> _Function:
     return compiled
 
 
-def apart(compiled: Any, name: str) -> Any:
+def apart(compiled: Any, name: str, *files: Path) -> Any:
     """A copy of a kernel whose machine code is kept in a file of its own.
 
     For systems that not every process knows: numba could not read a common file without them.
-    ``name`` tells apart what is compiled, sources included.
+    It is stale when the kernel's sources change or ``files``; what else tells compiled code apart
+    stands in ``name``.
     """
     own = kernel(compiled.py_func)
     with suppress(AttributeError):
@@ -108,6 +157,6 @@ def apart(compiled: Any, name: str) -> Any:
         own._cache._cache_file = type(kept)(
             cache_path=kept._cache_path,
             filename_base=f"{compiled.py_func.__name__}-{name}",
-            source_stamp=_source_digest(),
+            source_stamp=source_digest(file_of(compiled.py_func), *files),
         )
     return own

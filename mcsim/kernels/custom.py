@@ -17,10 +17,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from mcsim.kernels.adjoint import MOST_VARIED, adjoint
-from mcsim.kernels.compilation import apart, scalar
-from mcsim.kernels.frame import simulate
-from mcsim.kernels.lanes import GROUP, LANES
+from mcsim.kernels.adjoint import MOST_VARIED
+from mcsim.kernels.compilation import scalar
+from mcsim.kernels.lanes import LANES, NORMALS
 from mcsim.kernels.parts import loader, made, of, store, take
 from mcsim.kernels.system import Step, add_linear, begin, finish, keep, record, remembers, rows_of
 
@@ -49,8 +48,6 @@ def system_of(
         "STATE": len(state._fields),
         "START": staticmethod(scalar(start)),
         "END": staticmethod(scalar(end)),
-        "SIMULATE": staticmethod(apart(simulate, name)),
-        "ADJOINT": staticmethod(apart(adjoint, name)),
         "__slots__": (),
         "__module__": __name__,
     }
@@ -86,11 +83,11 @@ def _make_keep(system):
 def _make_record(system):
     load, end, recorded = loader(system.STEPS[0].state), system.END, system.RECORDED
 
-    def record(system, rows, sample, start, filled, history):
+    def record(system, number, asked, start, filled, rows, errors, linear, history):
         for j in range(filled):
             values = recorded(system, end(system, load(rows, j)))
             for row in range(len(values)):
-                history[row, sample, start + j] = values[row]
+                history[row, asked, start + j] = values[row]
 
     return record
 
@@ -113,14 +110,14 @@ def _make_add_linear(system):
     """Every channel may act on every error."""
     channels, count, linear = system.CHANNELS, len(system.LINEAR), rows_of(system)[1]
 
-    def add(system, i, size, normals, weights, rows):
-        for k in range(size):
+    def add(system, way, i, k, until, normals, weights, rows):
+        for sample in range(k, until):
             for error in range(count):
                 own = rows[linear + error * LANES : linear + (error + 1) * LANES]
                 for channel in range(channels):
-                    at = ((channel // 3 * GROUP + k) * 3 + channel % 3) * LANES
+                    at = (channel // 3 * NORMALS + 3 * sample + channel % 3) * LANES
                     weight, drawn = (
-                        weights[i + k, error * channels + channel],
+                        weights[i + sample, error * channels + channel],
                         normals[at : at + LANES],
                     )
                     for j in range(LANES):

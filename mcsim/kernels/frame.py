@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from mcsim.kernels.compilation import kernel, scalar
 from mcsim.kernels.lane_loops import row_of
-from mcsim.kernels.lanes import GROUP, LANES, take_constants
+from mcsim.kernels.lanes import LANES, NORMALS, take_constants
 from mcsim.kernels.measurement import make_scratch, measure, start_measuring
 from mcsim.kernels.system import (
     Results,
@@ -37,34 +37,46 @@ from mcsim.kernels.system import (
     add_linear,
     advance,
     advance_four,
+    advance_plainly,
     begin,
     draw,
     draw_once,
+    enter,
     finish,
+    finish_linear,
     first_normals,
     goes_by_fours,
     keep,
+    leg,
+    legs,
     numbers,
+    read_bare,
     read_plainly,
     reads_late,
     record,
     remembers,
     seed,
+    start_linear,
     start_offsets,
 )
 
 
 @scalar
-def _start_linear(constants, weights, errors, rows):
-    """Linear errors from what is drawn once per realization."""
-    for error in range(errors):
-        own = row_of(rows, error)
-        for j in range(LANES):
-            own[j] = 0.0
-        for k in range(weights.shape[1]):
-            weight, drawn = weights[error, k], row_of(constants, k)
-            for j in range(LANES):
-                own[j] += weight * drawn[j]
+def _next_instant(instants, asked, count):
+    """The sample of instant ``asked``, or one beyond the leg's last."""
+    return instants[asked] if asked < len(instants) else count + 1
+
+
+@scalar
+def _expect(asked, weights, processes, rows):
+    """Add what the processes' states make of the linear errors until the next instant."""
+    if asked < weights.shape[0]:
+        for error in range(weights.shape[1]):
+            own = row_of(rows, error)
+            for state in range(weights.shape[2]):
+                weight, value = weights[asked, error, state], row_of(processes, state)
+                for j in range(LANES):
+                    own[j] += weight * value[j]
 
 
 @kernel
@@ -92,26 +104,25 @@ def simulate(
         For linear errors; empty where they are not wanted.
     given : float32 (k, count) or (0, 0)
         Normals for what is drawn once per realization, instead of drawing them, unless empty;
-        k are the system's constants and the mixing coefficients, in multiples of four.
+        at most the system's constants and the mixing coefficients, in multiples of four, and
+        what is missing is zero.
     results : Results
         Written.
     """
-    n_channels, n_fixed, n_linear, at_offsets, at_linear, _, end = numbers(system)
+    n_channels, n_read, n_fixed, _, at_offsets, at_linear, _, end = numbers(system)
     signals, white, terms = sensors
-    errors, linear, history = results
+    errors, linear, history, instants = results
     n = signals.shape[0] - 1
-    n_constants = n_fixed + (len(terms.mix_deviation) + 3) // 4 * 4
+    n_constants = (n_fixed + len(terms.mix_deviation) + 3) // 4 * 4
     plain = terms.innovation.shape[0] == 0
-    recorded = history.shape[1] > 0
     with_linear = linear.shape[1] > 0
     with_given = given.shape[1] > 0
-    by_fours = plain and not recorded and goes_by_fours(system)
     threes = n_channels // 3
     streams = np.empty(4 * threes * LANES, np.uint32)
-    normals = np.empty(3 * GROUP * threes * LANES, np.float32)
+    normals = np.empty(NORMALS * threes * LANES, np.float32)
     constants = np.zeros(n_constants * LANES, np.float32)
     scratch = make_scratch(terms)
-    measured = np.empty(n_channels * LANES, np.float64)
+    measured = np.empty(n_read * LANES, np.float64)
     rows = np.empty(end, np.float64)
     offsets = rows[at_offsets : at_offsets + n_channels * LANES]
     for block in range((count + LANES - 1) // LANES):
@@ -119,7 +130,7 @@ def simulate(
         filled = min(LANES, count - start)
         block_first = first + uint64(start)
         if with_given:
-            take_constants(given, start, filled, n_constants, constants)
+            take_constants(given, start, filled, len(given), constants)
         elif system.draws or not plain:
             draw_once(system, key, block_first, n_constants, constants)
         if not plain:
@@ -127,42 +138,64 @@ def simulate(
         start_offsets(system, constants, rows)
         begin(system, constants, sensors, scratch, rows)
         if with_linear:
-            _start_linear(constants, weights.constants, n_linear, rows[at_linear:])
-        seed(system, key, block_first, streams)
+            start_linear(system, constants, weights, rows)
         if (not plain or remembers(system)) and not reads_late(system):
             first_normals(system, constants, normals)
             if plain:
                 read_plainly(system, 0, 0, signals, white, normals, rows, measured)
             else:
                 measure(
-                    0, n_channels, 0, normals, 3 * GROUP, normals, signals, offsets, terms,
+                    0, n_channels, 0, normals, NORMALS, normals, signals, offsets, terms,
                     scratch, measured,
                 )  # fmt: skip
             keep(system, constants, measured, rows)
-        if recorded:
-            record(system, rows, 0, start, filled, history)
-        for i in range(1, n + 1, GROUP):
-            size = min(GROUP, n + 1 - i)
-            draw(system, streams, normals)
+        for number in range(legs(system)):
+            way, before, samples, width, asked = leg(system, number, n)
+            by_fours = plain and goes_by_fours(system, way)
+            group = NORMALS // width
+            seed(system, number, key, block_first, streams, normals)
+            enter(system, number, constants, normals, rows)
+            instant = _next_instant(instants, asked, samples)
+            if instant == 0:
+                record(system, number, asked, start, filled, rows, errors, linear, history)
+                asked += 1
+                instant = _next_instant(instants, asked, samples)
             if with_linear:
-                add_linear(system, i, size, normals, weights.samples, rows)
-            if by_fours and size == GROUP:
-                advance_four(system, i, signals, white, normals, rows)
-                continue
-            for k in range(size):
-                if plain:
-                    read_plainly(system, i + k, k, signals, white, normals, rows, measured)
-                else:
-                    measure(
-                        i + k, n_channels, 3 * k, normals, 3 * (GROUP + k), normals, signals,
-                        offsets, terms, scratch, measured,
-                    )  # fmt: skip
-                advance(system, measured, rows)
-                if recorded:
-                    record(system, rows, i + k, start, filled, history)
+                _expect(asked, weights.states, scratch[1], rows[at_linear:])
+            for i in range(1, samples + 1, group):
+                size = min(group, samples + 1 - i)
+                draw(system, streams, normals)
+                k = 0
+                while k < size:
+                    # Of the samples drawn, those until the next instant.
+                    until = min(size, instant + 1 - i)
+                    if with_linear:
+                        add_linear(
+                            system, way, before + i, k, until, normals, weights.samples, rows
+                        )
+                    if by_fours and until - k == group:
+                        advance_four(system, way, before + i, signals, white, normals, rows)
+                        k = until
+                    while k < until:
+                        at, row = before + i + k, width * k
+                        if plain:
+                            advance_plainly(
+                                system, way, at, row, signals, white, normals, rows, measured
+                            )
+                        else:
+                            measure(
+                                at, n_channels, row, normals, NORMALS + row, normals, signals,
+                                offsets, terms, scratch, measured,
+                            )  # fmt: skip
+                            read_bare(system, width, row, normals, measured)
+                            advance(system, way, measured, rows)
+                        k += 1
+                    if i + k > instant:
+                        record(system, number, asked, start, filled, rows, errors, linear, history)
+                        asked += 1
+                        instant = _next_instant(instants, asked, samples)
+                        if with_linear:
+                            _expect(asked, weights.states, scratch[1], rows[at_linear:])
         finish(system, rows, start, filled, errors)
         if with_linear:
-            for error in range(n_linear):
-                own = row_of(rows, at_linear // LANES + error)
-                for j in range(filled):
-                    linear[error, start + j] = own[j]
+            finish_linear(system, constants, weights, start, filled, rows, linear)

@@ -12,8 +12,8 @@ from mcsim.kernels.random import normal_pair, stream_words, xoshiro_next
 
 #: Realizations side by side.
 LANES = 128
-#: Samples of three channels drawn at a time.
-GROUP = 4
+#: Normals drawn at a time from a stream, and the samples of three channels that they serve.
+NORMALS, GROUP = 12, 4
 #: Streams of a realization: white noise of the samples, constants drawn once.
 WHITE_NOISE, CONSTANTS = 0, 1
 

@@ -18,19 +18,22 @@ and from the tuples that scalar functions work on.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload
 
-from mcsim.kernels.compilation import INLINED
+from mcsim.kernels.compilation import INLINED, apart, file_of
 from mcsim.kernels.lanes import LANES
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _Maker = Callable[[type[Any]], Callable[..., Any]]
 #: What fills in each part, by the class of the system.
 PARTS: dict[Callable[..., Any], dict[type, _Maker]] = {}
+_FILES: dict[type, set[Path]] = {}
 
 
 def part(function: _Function) -> _Function:
@@ -54,6 +57,7 @@ def of(function: Callable[..., Any], system: type) -> Callable[[_Function], _Fun
     def add(implementation: _Function) -> _Function:
         _checked(function, implementation)
         PARTS[function][system] = lambda own: implementation
+        _FILES.setdefault(system, set()).add(file_of(implementation))
         return implementation
 
     return add
@@ -64,6 +68,7 @@ def made(function: Callable[..., Any], system: type = object) -> Callable[[_Make
 
     def add(maker: _Maker) -> _Maker:
         PARTS[function][system] = maker
+        _FILES.setdefault(system, set()).add(file_of(maker))
         return maker
 
     return add
@@ -97,6 +102,16 @@ def parameters_of(function: Callable[..., Any]) -> tuple[str, ...]:
     # Of a compiled function, those of what it was compiled from.
     code = getattr(function, "py_func", function).__code__
     return tuple(code.co_varnames[: code.co_argcount])
+
+
+@cache
+def kernel_of(compiled: Any, system: type) -> Any:
+    """A kernel of the frame for one system, kept in a file of its own.
+
+    So an edit of a system's source leaves what is compiled for others as it is.
+    """
+    files = {file for base in system.__mro__ for file in _FILES.get(base, ())}
+    return apart(compiled, system.__name__, *files)
 
 
 def class_of(system: Any) -> type:

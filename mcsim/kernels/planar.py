@@ -357,26 +357,26 @@ def _add_linear_of_two(i, row, normals, sensitivity, rows):
 
 
 @of(add_linear, Planar)
-def _add_linear(system, i, size, normals, weights, rows):
-    if size == GROUP:
+def _add_linear(system, way, i, k, until, normals, weights, rows):
+    if until - k == GROUP:
         _add_linear_of_two(i, 0, normals, weights, rows)
         _add_linear_of_two(i + 2, 6 * LANES, normals, weights, rows)
     else:
-        for k in range(size):
-            _add_linear_of_one(i + k, 3 * k * LANES, normals, weights, rows)
+        for sample in range(k, until):
+            _add_linear_of_one(i + sample, 3 * sample * LANES, normals, weights, rows)
 
 
 @of(record, Planar)
-def _record(system, rows, sample, start, filled, history):
+def _record(system, number, asked, start, filled, rows, errors, linear, history):
     """The heading at a sample is half a turn past its mid-interval value."""
     interval = system.interval
     for j in range(filled):
-        history[0, sample, start + j] = interval * interval * rows[_PL + j]
-        history[1, sample, start + j] = interval * interval * rows[_PD + j]
-        history[2, sample, start + j] = interval * rows[_VL + j]
-        history[3, sample, start + j] = interval * rows[_VD + j]
+        history[0, asked, start + j] = interval * interval * rows[_PL + j]
+        history[1, asked, start + j] = interval * interval * rows[_PD + j]
+        history[2, asked, start + j] = interval * rows[_VL + j]
+        history[3, asked, start + j] = interval * rows[_VD + j]
         heading = math.atan2(rows[_SIN + j], rows[_COS + j]) + rows[_HALF_TURN + j]
-        history[4, sample, start + j] = heading
+        history[4, asked, start + j] = heading
 
 
 @of(finish, Planar)

@@ -14,6 +14,8 @@ from mcsim.kernels.compilation import scalar
 #: Largest rotation per step (rad) that the two polynomials are used for: their unit length
 #: errs by less than 2e-15 and 3e-13 there.
 LITTLE_ROTATION, LARGEST_ROTATION = 0.02, 0.5
+#: Below this cosine of the pitch, roll and heading are one rotation: see ``euler_angles``.
+LOCKED = 1e-6
 
 
 @scalar
@@ -69,3 +71,29 @@ def rotate(w, x, y, z, f, g, h):
 def cross(a, b, c, f, g, h):
     """Vector product of (a, b, c) and (f, g, h)."""
     return b * h - c * g, c * f - a * h, a * g - b * f
+
+
+@scalar
+def attitude(roll, pitch, heading):
+    """The attitude of Euler angles (rad): turned by the heading, then the pitch, then the roll."""
+    cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
+    cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
+    ch, sh = math.cos(0.5 * heading), math.sin(0.5 * heading)
+    return (
+        cr * cp * ch + sr * sp * sh,
+        sr * cp * ch - cr * sp * sh,
+        cr * sp * ch + sr * cp * sh,
+        cr * cp * sh - sr * sp * ch,
+    )
+
+
+@scalar
+def euler_angles(w, x, y, z):
+    """Roll, pitch, heading (rad) of an attitude; at a pitch of ±90° the roll is zero."""
+    c, s = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z)
+    upwards, level = 2.0 * (x * z - w * y), math.sqrt(c * c + s * s)
+    if level < LOCKED:
+        heading = math.atan2(2.0 * (w * z - x * y), 1.0 - 2.0 * (x * x + z * z))
+        return 0.0, math.atan2(-upwards, 0.0), heading
+    roll = math.atan2(2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y))
+    return roll, math.atan2(-upwards, level), math.atan2(s, c)

@@ -29,6 +29,7 @@ from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import CONSTANTS, GROUP, LANES, draw_normals
 from mcsim.kernels.measurement import expect_after_rest, mean_at_rest
 from mcsim.kernels.parts import of
+from mcsim.kernels.quaternion import LOCKED
 from mcsim.kernels.rotation import LARGEST_TURN, angles_from, turn, turn_exactly, wrap
 from mcsim.kernels.strapdown_system import (
     AT_ORIGIN,
@@ -39,7 +40,6 @@ from mcsim.kernels.strapdown_system import (
     FIRST_SPATIAL,
     HEADING,
     IS_FORCE,
-    LOCKED,
     MIXING_CONSTANTS,
     NO_DEVIATIONS,
     PITCH,
@@ -222,9 +222,11 @@ def _keep(system, constants, measured, rows):
 
 
 @of(add_linear, Strapdown)
-def _add_linear(system, i, size, normals, weights, rows):
-    for k in range(size):
-        _add_linear_of_one(i + k, 3 * k * LANES, normals, weights, rows)
+def _add_linear(system, way, i, k, until, normals, weights, rows):
+    # Rows count from a slice: LLVM then knows that none is negative.
+    own = normals[3 * k * LANES :]
+    for sample in range(until - k):
+        _add_linear_of_one(i + k + sample, 3 * sample * LANES, own, weights, rows)
 
 
 @scalar
@@ -288,21 +290,21 @@ def _unlock(rows):
 
 
 @of(record, Strapdown)
-def _record(system, rows, sample, start, filled, history):
+def _record(system, number, asked, start, filled, rows, errors, linear, history):
     interval = system.interval
     t2 = interval * interval
     _axes(rows)
     _unlock(rows)
     for j in range(filled):
-        history[0, sample, start + j] = t2 * rows[_PL + j]
-        history[1, sample, start + j] = t2 * rows[_PD + j]
-        history[2, sample, start + j] = t2 * rows[_PH + j]
-        history[3, sample, start + j] = interval * rows[_VL + j]
-        history[4, sample, start + j] = interval * rows[_VD + j]
-        history[5, sample, start + j] = interval * rows[_VH + j]
-        history[6, sample, start + j] = math.atan2(rows[_D + j], rows[_E + j])
-        history[7, sample, start + j] = math.atan2(-rows[_C + j], rows[_F + j])
-        history[8, sample, start + j] = math.atan2(rows[_B + j], rows[_A + j])
+        history[0, asked, start + j] = t2 * rows[_PL + j]
+        history[1, asked, start + j] = t2 * rows[_PD + j]
+        history[2, asked, start + j] = t2 * rows[_PH + j]
+        history[3, asked, start + j] = interval * rows[_VL + j]
+        history[4, asked, start + j] = interval * rows[_VD + j]
+        history[5, asked, start + j] = interval * rows[_VH + j]
+        history[6, asked, start + j] = math.atan2(rows[_D + j], rows[_E + j])
+        history[7, asked, start + j] = math.atan2(-rows[_C + j], rows[_F + j])
+        history[8, asked, start + j] = math.atan2(rows[_B + j], rows[_A + j])
 
 
 @of(finish, Strapdown)

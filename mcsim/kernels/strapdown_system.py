@@ -21,8 +21,6 @@ LITTLE, RECTANGULAR, FORWARD_EULER, TRAPEZOIDAL = range(4)
 #: The deviation of the mean that levels by the force forwards, among the deviations.
 FIRST_OF_REST = 12
 _EXACTLY = 3  # further on: the same rules for rotations of any size
-#: Below this cosine of the pitch, roll and heading are one rotation: see ``euler_angles``.
-LOCKED = 1e-6
 
 
 class Motion(NamedTuple):

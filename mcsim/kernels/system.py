@@ -4,29 +4,37 @@ A system is a named tuple of numbers.  It fills in the parts ``begin``, ``keep``
 ``record`` and ``finish`` (see ``parts``), and its class says
 
 * ``STEPS``: the ways of taking one sample; ``system.way`` is the number of the one to take;
-* ``FOURS``: by way, how four samples are taken at a time where nothing but noise disturbs them;
+* ``FOURS``: by way, how the samples of a draw (four, or what ``BARE`` leaves of them) are taken at
+  a time where nothing but noise disturbs them;
+* ``SINGLY``, if any: whether single samples, too, are taken without keeping what was measured,
+  which is worth its compile time where results are asked at many instants;
 * ``LATE``, if any: the ways that read sample 0 in their first step, not before it;
 * ``STATE``: the most rows that the state of any step has;
 * ``CHANNELS``, a multiple of three: each three have streams of random numbers of their own;
+* ``BARE``, if any: normals of a sample that its step reads as they are, after the channels; a
+  draw of twelve normals then serves ``12 // (3 + BARE)`` samples;
 * ``CONSTANTS``: rows of normals that a realization draws once, and among them, for each three
   channels, the rows ``FIXED`` where those of their offsets begin and ``FIRST`` where the noise
   of sample 0 does; ``system.deviations`` begins with those of the offsets;
 * ``ERRORS``, ``HISTORY``: rows of the results; ``LINEAR``: the rows of the errors that have a
   linear error, in the order of those; ``SPARE``: rows of scratch.
+
+A realization is one leg of samples, unless a system says otherwise: it then has as many as its
+``legs``, each begun by ``seed`` and ``enter`` (a velocity group: the rest, then run after run).
 """
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from numpy import float64
+import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.kernels.lanes import LANES
 from mcsim.kernels.measurement import ErrorTerms
 from mcsim.kernels.parts import part
 
-Array = NDArray[float64]
+Array = NDArray[np.float64]
 
 
 class Sensors(NamedTuple):
@@ -53,43 +61,57 @@ class Weights(NamedTuple):
         Of each sample's channels, laid out as the system's ``add_linear`` reads them.
     constants : float64 (e, k)
         Of what a realization draws once.
+    states : float64 (i, e, c p) or (0, 0, 0)
+        Where samples weigh until the next instant only: errors there per state of each channel's
+        processes at the instant before.
+    rest : float64 (e, c) or (0, 0)
+        Of the mean of each channel at a rest that is measured.
     """
 
     samples: Array
     constants: Array
+    states: Array = np.zeros((0, 0, 0))
+    rest: Array = np.zeros((0, 0))
 
 
 class Results(NamedTuple):
     """Where the results go; what is empty is not wanted.
 
     errors : float64 (ERRORS, count)
-        Errors at the last sample.
+        Errors at the last sample; of systems that report more often, at every instant.
     linear : float64 (LINEAR, count) or (…, 0)
         Linear errors of the same realizations.
-    history : float64 (HISTORY, n + 1, count) or (0, 0, 0)
-        Reconstructed states at every sample.
+    history : float64 (HISTORY, i, count) or (0, 0, 0)
+        Reconstructed states at the instants.
+    instants : int64 (i,)
+        Samples of a leg, ascending, after which states are recorded.
     """
 
     errors: Array
     linear: Array
     history: Array
+    instants: NDArray[np.int64]
 
 
 class Step(NamedTuple):
     """How a sample moves the state.
 
     function : callable
-        ``function(system, state, read) -> State``; ``read`` holds the measured channels.
+        ``function(system, state, read) -> State``; ``read`` holds the measured channels, then
+        the normals that are read as they are.
     state : type
         A named tuple, the state variables of a lane; where several steps share a system, the
         first rows are the same.
     offsets : bool
-        Whether channels have constant offsets (for steps that take four samples).
+        Whether channels have constant offsets (for steps that take several samples).
+    moving : int
+        How many state variables, the first ones, the step changes; all where it is zero.
     """
 
     function: Any
     state: type[Any]
     offsets: bool = True
+    moving: int = 0
 
 
 @part
@@ -108,18 +130,56 @@ def keep(system, constants, measured, rows):
 
 
 @part
-def add_linear(system, i, size, normals, weights, rows):
-    """Add the noise of ``size`` samples from ``i`` on to the linear errors."""
+def legs(system):
+    """How many legs a realization has."""
 
 
 @part
-def record(system, rows, sample, start, filled, history):
-    """States after ``sample``, for the realizations ``start`` and following."""
+def leg(system, number, n):
+    """Of a leg: the way of its steps, the row of ``signals`` before its first sample, how many
+    samples it has, how many normals each takes of a draw, and the first instant that is recorded;
+    ``n`` is the last row."""
+
+
+@part
+def seed(system, number, key, first, streams, normals):
+    """Put the streams of a leg's noise into place, and draw normals that it begins with."""
+
+
+@part
+def enter(system, number, constants, normals, rows):
+    """State rows at the beginning of a leg."""
+
+
+@part
+def start_linear(system, constants, weights, rows):
+    """Linear errors at the beginning, from what is drawn once."""
+
+
+@part
+def add_linear(system, way, i, k, until, normals, weights, rows):
+    """Add the noise of samples to the linear errors: of those drawn at once, whose first is ``i``,
+    from number ``k`` on, before number ``until``."""
+
+
+@part
+def record(system, number, asked, start, filled, rows, errors, linear, history):
+    """States of leg ``number`` at instant ``asked``, for the realizations from ``start`` on."""
 
 
 @part
 def finish(system, rows, start, filled, errors):
-    """Errors at the last sample."""
+    """Errors at the last sample, for the realizations ``start`` and following."""
+
+
+@part
+def finish_linear(system, constants, weights, start, filled, rows, linear):
+    """Linear errors of the same."""
+
+
+@part
+def outcome(system, rows, errors):
+    """The errors of all lanes as functions of their state, for derivatives."""
 
 
 def rows_of(system: type[Any]) -> tuple[int, int, int, int]:
@@ -132,7 +192,8 @@ def rows_of(system: type[Any]) -> tuple[int, int, int, int]:
 
 @part
 def numbers(system):
-    """Of the system's class: channels, rows of constants, linear errors, and ``rows_of``."""
+    """Of the system's class: channels, what a step reads, rows of constants, linear errors, and
+    ``rows_of``."""
 
 
 @part
@@ -141,13 +202,8 @@ def linear_rows(system):
 
 
 @part
-def seed(system, key, first, streams):
-    """Put the streams of the samples' noise into place, one for each three channels."""
-
-
-@part
 def draw(system, streams, normals):
-    """Draw the normals of four samples of all channels."""
+    """Draw twelve normals from each stream."""
 
 
 @part
@@ -161,23 +217,33 @@ def first_normals(system, constants, normals):
 
 
 @part
-def advance(system, measured, rows):
+def advance(system, way, measured, rows):
     """One sample of every lane, with what was measured."""
 
 
 @part
-def advance_four(system, i, signals, white, normals, rows):
-    """Four samples of every lane, which have white noise and offsets alone."""
+def advance_four(system, way, i, signals, white, normals, rows):
+    """The samples of a draw, in every lane, which have white noise and offsets alone."""
 
 
 @part
-def read_plainly(system, i, k, signals, white, normals, rows, measured):
-    """Measure sample ``i``, number ``k`` of its group, where white noise and offsets are all."""
+def advance_plainly(system, way, i, row, signals, white, normals, rows, measured):
+    """One sample of every lane, with normals from ``row`` on, where noise and offsets are all."""
 
 
 @part
-def goes_by_fours(system):
-    """Whether the system's step can be taken four samples at a time."""
+def read_plainly(system, i, row, signals, white, normals, rows, measured):
+    """Measure sample ``i``, with normals from ``row`` on, where noise and offsets are all."""
+
+
+@part
+def read_bare(system, width, row, normals, measured):
+    """Put normals that a step reads as they are behind the channels; a leg may have none."""
+
+
+@part
+def goes_by_fours(system, way):
+    """Whether steps of a way can be taken several samples at a time."""
 
 
 @part

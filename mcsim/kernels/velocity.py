@@ -1,8 +1,9 @@
-"""Velocity by integration of a tri-axial accelerometer, many groups of runs at once.
+"""Velocity by integration of a tri-axial accelerometer: groups of runs as a system of the frame.
 
-Groups are the realizations: what is drawn once per group (calibration, rest phase, tilt,
-gravity) belongs to all its runs, noise and time errors to every step of every run.  Groups
-are integrated side by side, ``LANES`` at a time.
+A group is a realization: what is drawn once (calibration, rest phase, tilt, gravity) belongs to
+all its runs, noise and time errors to every step of every run.  Its legs are the runs and, where
+every sample is measured, the rest before them: in-run noise then goes on without a pause from the
+first sample of the rest to the last one of the last run.
 
 The corrected, tilt-corrected acceleration is linear in the raw output,
 
@@ -10,6 +11,10 @@ The corrected, tilt-corrected acceleration is linear in the raw output,
 
 with p, q from the tilt: Eq. (15) has p = 1 and q = theta.  So a group needs four numbers
 only, and a step eight multiplications.
+
+The linear error of a run needs one weight per normal for all the instants it is asked at: from
+one instant to the next a normal acts by its own segment's weights, and what it has left in
+the processes acts as their states, weighed where a segment begins.
 """
 
 from __future__ import annotations
@@ -17,34 +22,92 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import uint64
-from numpy.typing import NDArray
 
-from mcsim.kernels.compilation import kernel, scalar
-from mcsim.kernels.lanes import (
-    LANES,
-    WHITE_NOISE,
-    draw_constants,
-    draw_group,
-    seed_lanes,
-    take_constants,
+from mcsim.kernels.compilation import scalar
+from mcsim.kernels.lane_loops import row_of
+from mcsim.kernels.lanes import LANES, NORMALS, WHITE_NOISE, draw_constants, draw_group, seed_lanes
+from mcsim.kernels.parts import loader, of, take
+from mcsim.kernels.system import (
+    add_linear,
+    begin,
+    draw_once,
+    enter,
+    finish,
+    finish_linear,
+    keep,
+    leg,
+    legs,
+    outcome,
+    record,
+    rows_of,
+    seed,
+    start_linear,
+)
+from mcsim.kernels.velocity_system import (
+    EXACT,
+    PER_INSTANT,
+    REST,
+    REST_NOISE,
+    RUN,
+    SECOND_ORDER,
+    Inputs,
+    Resting,
+    Velocity,
 )
 
-Array = NDArray[np.float64]
+#: Normals that a sample takes of a draw: of three axes, and in a run of the interval.
+_AT_REST, _IN_RUN = 3, 4
+#: Beyond the number of any instant.
+_NONE = 1 << 40
 
-#: What a group draws once: lxx, lxy, lxz, lzx, lzy, lzz, Bx, By, Bz, means of the raw output
-#: at rest (x, y, z), the change of tilt, gravity; two spare.
-GROUP_INPUTS, DRAWN = 14, 16
-_LXX, _LXY, _LXZ, _LZX, _LZY, _LZZ, _BX, _BY, _BZ, _RX, _RY, _RZ, _TILT, _G = range(GROUP_INPUTS)
-#: How the tilt enters, as numbers.
-FIRST_ORDER, SECOND_ORDER, EXACT = range(3)
-#: Steps of four channels (three axes and the interval) that one draw of twelve normals serves.
-STEPS = 3
+_SPEED, _STAMP, _K0, _KX, _KY, _KZ, _SUM_X, _SUM_Y, _SUM_Z = (
+    LANES * row for row in range(len(Resting._fields))
+)
+_, _LINEAR, _REST_LINEAR, _ = rows_of(Velocity)
+_LINEAR_STAMP = _REST_LINEAR + 3 * LANES
+_load_normals = loader(Inputs)
+_INPUT_ROWS = -(-len(Inputs._fields) // 4) * 4
 
-# Rows of the state: factors of the raw output and constant of the acceleration, velocity,
-# linear error, the last stamp's normal, and the same for the linear error.
-KX, KY, KZ, K0, SPEED, LINEAR, STAMP, LINEAR_STAMP = (LANES * row for row in range(8))
-N_STATE = LANES * 8
+
+def drawn_rows(measured: bool, mixing: int) -> int:
+    """Rows of what a group draws once, with ``mixing`` coefficients; a multiple of four."""
+    return -(-(Velocity.CONSTANTS + mixing) // 4) * 4 if measured else _INPUT_ROWS
+
+
+@of(draw_once, Velocity)
+def _draw_once(system, key, first, rows, constants):
+    draw_constants(key, first, rows if system.at_rest > 0 else _INPUT_ROWS, constants)
+
+
+@scalar
+def _drawn(system, constants, j):
+    """Inputs as lane ``j`` has drawn them."""
+    estimate, u, z = system.inputs, system.deviations, _load_normals(constants, j)
+    return Inputs(
+        estimate.lxx + u.lxx * np.float64(z.lxx),
+        estimate.lxy + u.lxy * np.float64(z.lxy),
+        estimate.lxz + u.lxz * np.float64(z.lxz),
+        estimate.lzx + u.lzx * np.float64(z.lzx),
+        estimate.lzy + u.lzy * np.float64(z.lzy),
+        estimate.lzz + u.lzz * np.float64(z.lzz),
+        estimate.bx + u.bx * np.float64(z.bx),
+        estimate.by + u.by * np.float64(z.by),
+        estimate.bz + u.bz * np.float64(z.bz),
+        estimate.rest_x + u.rest_x * np.float64(z.rest_x),
+        estimate.rest_y + u.rest_y * np.float64(z.rest_y),
+        estimate.rest_z + u.rest_z * np.float64(z.rest_z),
+        estimate.tilt + u.tilt * np.float64(z.tilt),
+        estimate.gravity + u.gravity * np.float64(z.gravity),
+    )
+
+
+@scalar
+def _mean_at_rest(system, drawn, rows, j):
+    """Mean raw output at rest: measured, or drawn."""
+    if system.at_rest > 0:
+        samples = system.at_rest
+        return rows[_SUM_X + j] / samples, rows[_SUM_Y + j] / samples, rows[_SUM_Z + j] / samples
+    return drawn.rest_x, drawn.rest_y, drawn.rest_z
 
 
 @scalar
@@ -58,305 +121,248 @@ def tilt_factors(theta, order):
 
 
 @scalar
-def drawn(k, j, inputs, uncertainties, constants):
-    """Input ``k`` of lane ``j``: its estimate and what was drawn for it."""
-    return inputs[k] + uncertainties[k] * np.float64(constants[k * LANES + j])
+def _product(a, b, c, x, y, z):
+    """A row of the calibration matrix times a vector."""
+    total = 0.0
+    total += a * x
+    total += b * y
+    total += c * z
+    return total
 
 
 @scalar
-def _draw_rest(constants, inputs, uncertainties, rest):
-    """Mean raw output at rest, rows x, y, z."""
-    for axis in range(3):
-        for j in range(LANES):
-            rest[axis * LANES + j] = drawn(_RX + axis, j, inputs, uncertainties, constants)
-
-
-@scalar
-def start_groups(constants, inputs, uncertainties, order, rest, state):
-    """The four numbers of each lane, Eq. (4), (5), (15), (19), (20).
-
-    Rows of ``rest`` are the mean raw output of x, y, z at rest.
-    """
+def _start_group(system, constants, rows):
+    """The four numbers of each lane, Eq. (4), (5), (15), (19), (20)."""
     for j in range(LANES):
-        x = 0.0
-        z = 0.0
-        for axis in range(3):
-            raw = rest[axis * LANES + j]
-            raw -= drawn(_BX + axis, j, inputs, uncertainties, constants)
-            x += drawn(_LXX + axis, j, inputs, uncertainties, constants) * raw
-            z += drawn(_LZX + axis, j, inputs, uncertainties, constants) * raw
-        change = drawn(_TILT, j, inputs, uncertainties, constants)
-        p, q = tilt_factors(math.atan2(x, z) + change, order)
-        g = drawn(_G, j, inputs, uncertainties, constants)
-        k0 = 0.0
-        for axis in range(3):
-            lx = drawn(_LXX + axis, j, inputs, uncertainties, constants)
-            lz = drawn(_LZX + axis, j, inputs, uncertainties, constants)
-            k = (p * lx - q * lz) * g
-            state[KX + axis * LANES + j] = k
-            k0 -= k * drawn(_BX + axis, j, inputs, uncertainties, constants)
-        state[K0 + j] = k0
+        d = _drawn(system, constants, j)
+        rx, ry, rz = _mean_at_rest(system, d, rows, j)
+        rx, ry, rz = rx - d.bx, ry - d.by, rz - d.bz
+        x = _product(d.lxx, d.lxy, d.lxz, rx, ry, rz)
+        z = _product(d.lzx, d.lzy, d.lzz, rx, ry, rz)
+        p, q = tilt_factors(math.atan2(x, z) + d.tilt, system.order)
+        kx = (p * d.lxx - q * d.lzx) * d.gravity
+        ky = (p * d.lxy - q * d.lzy) * d.gravity
+        kz = (p * d.lxz - q * d.lzz) * d.gravity
+        rows[_K0 + j] = -_product(kx, ky, kz, d.bx, d.by, d.bz)
+        rows[_KX + j] = kx
+        rows[_KY + j] = ky
+        rows[_KZ + j] = kz
+
+
+@of(begin, Velocity)
+def _begin(system, constants, sensors, scratch, rows):
+    """Nothing is measured yet; the state begins with the first run."""
+    for j in range(3 * LANES):
+        rows[_SUM_X + j] = 0.0
+
+
+@of(keep, Velocity)
+def _keep(system, constants, measured, rows):
+    """Nothing: no sample is before the first one."""
 
 
 @scalar
-def start_run(stamps, normals, state):
+def _run_of(system, number):
+    """Number of the run that a leg is; the rest is -1."""
+    return number - 1 if system.at_rest > 0 else number
+
+
+@of(legs, Velocity)
+def _legs(system):
+    return system.runs + 1 if system.at_rest > 0 else system.runs
+
+
+@of(leg, Velocity)
+def _leg(system, number, n):
+    """Where only noise disturbs them, all runs have the same rows of signals."""
+    run, rest, samples = _run_of(system, number), system.at_rest, system.samples
+    if run < 0:
+        return REST, -1, rest, _AT_REST, _NONE
+    return RUN, rest - 1 + run * samples if rest > 0 else 0, samples, _IN_RUN, 0
+
+
+@of(seed, Velocity)
+def _seed(system, number, key, first, streams, normals):
+    """Noise goes on from run to run; a first stamp is drawn by itself."""
+    run = _run_of(system, number)
+    if run <= 0:
+        seed_lanes(key, first, REST_NOISE if run < 0 else WHITE_NOISE, streams)
+    if run >= 0 and system.difference != 0.0:
+        draw_group(streams, normals)
+
+
+@of(enter, Velocity)
+def _enter(system, number, constants, normals, rows):
     """Standstill; the first of the normals is the first stamp's, if stamps err."""
-    for j in range(LANES):
-        first_stamp = np.float64(normals[j]) if stamps else 0.0
-        state[SPEED + j] = 0.0
-        state[LINEAR + j] = 0.0
-        state[STAMP + j] = first_stamp
-        state[LINEAR_STAMP + j] = first_stamp
-
-
-@scalar
-def step_on(v, e, before, difference, k0, kx, ky, kz, x, y, z, interval, time_error):
-    """Velocity after one step, Eq. (24); ``e`` and ``before`` scale the interval's error."""
-    step = interval + time_error * (e - difference * before)
-    return v + (k0 + kx * x + ky * y + kz * z) * step
-
-
-@scalar
-def _advance_three(i, normals, raw, white, interval, time_error, difference, state):
-    """Three steps of every lane's run, all that one draw of normals serves."""
-    x0, y0, z0 = raw[i, 0], raw[i, 1], raw[i, 2]
-    x1, y1, z1 = raw[i + 1, 0], raw[i + 1, 1], raw[i + 1, 2]
-    x2, y2, z2 = raw[i + 2, 0], raw[i + 2, 1], raw[i + 2, 2]
-    wx, wy, wz = white[0], white[1], white[2]
-    for j in range(LANES):
-        k0, kx, ky, kz = state[K0 + j], state[KX + j], state[KY + j], state[KZ + j]
-        v = state[SPEED + j]
-        before = state[STAMP + j]
-        e0 = np.float64(normals[3 * LANES + j])
-        e1 = np.float64(normals[7 * LANES + j])
-        e2 = np.float64(normals[11 * LANES + j])
-        x = x0 + wx * normals[j]
-        y = y0 + wy * normals[LANES + j]
-        z = z0 + wz * normals[2 * LANES + j]
-        v = step_on(v, e0, before, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
-        x = x1 + wx * normals[4 * LANES + j]
-        y = y1 + wy * normals[5 * LANES + j]
-        z = z1 + wz * normals[6 * LANES + j]
-        v = step_on(v, e1, e0, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
-        x = x2 + wx * normals[8 * LANES + j]
-        y = y2 + wy * normals[9 * LANES + j]
-        z = z2 + wz * normals[10 * LANES + j]
-        v = step_on(v, e2, e1, difference, k0, kx, ky, kz, x, y, z, interval, time_error)
-        state[SPEED + j] = v
-        state[STAMP + j] = e2
-
-
-@scalar
-def _advance(i, row, normals, raw, white, interval, time_error, difference, state):
-    """One step of every lane's run."""
-    sx, sy, sz = raw[i, 0], raw[i, 1], raw[i, 2]
-    wx, wy, wz = white[0], white[1], white[2]
-    for j in range(LANES):
-        e = np.float64(normals[row + 3 * LANES + j])
-        state[SPEED + j] = step_on(
-            state[SPEED + j],
-            e,
-            state[STAMP + j],
-            difference,
-            state[K0 + j],
-            state[KX + j],
-            state[KY + j],
-            state[KZ + j],
-            sx + wx * normals[row + j],
-            sy + wy * normals[row + LANES + j],
-            sz + wz * normals[row + 2 * LANES + j],
-            interval,
-            time_error,
-        )
-        state[STAMP + j] = e
-
-
-@scalar
-def add_linear(i, row, normals, weights, difference, state):
-    """Add the step's share of the linear error; before the step itself, which moves the stamp."""
-    a, b, c, d = weights[i, 0], weights[i, 1], weights[i, 2], weights[i, 3]
-    for j in range(LANES):
-        e = np.float64(normals[row + 3 * LANES + j])
-        state[LINEAR + j] += (
-            a * normals[row + j]
-            + b * normals[row + LANES + j]
-            + c * normals[row + 2 * LANES + j]
-            + d * (e - difference * state[LINEAR_STAMP + j])
-        )
-        state[LINEAR_STAMP + j] = e
-
-
-@kernel
-def simulate(
-    key: np.uint64,
-    first: np.uint64,
-    count: int,
-    runs: int,
-    raw: Array,
-    inputs: Array,
-    uncertainties: Array,
-    white: Array,
-    interval: float,
-    time_error: float,
-    stamps: bool,
-    order: int,
-    instants: NDArray[np.int64],
-    truth: Array,
-    step_weights: Array,
-    group_weights: Array,
-    given: NDArray[np.float32],
-    errors: Array,
-    linear: Array,
-    curves: Array,
-) -> None:
-    """Velocity errors of ``count`` groups of ``runs`` runs, from group ``first`` on.
-
-    Parameters
-    ----------
-    key, first : uint64
-        Key of the random numbers and index of the first group.
-    count, runs : int
-    raw : float64 (n, 3)
-        Undisturbed raw output of the axes (fractions of g) at the steps.
-    inputs, uncertainties : float64 (14,)
-        Estimates and standard uncertainties of what a group draws once: lxx, lxy, lxz, lzx,
-        lzy, lzz, Bx, By, Bz, mean raw output at rest (x, y, z), tilt change (rad), g (m/s^2).
-    white : float64 (3,)
-        Standard deviation of one raw sample (fractions of g).
-    interval, time_error : float
-        Nominal interval between samples and its standard uncertainty (s).
-    stamps : bool
-        Time stamps err, so that neighbouring intervals err oppositely; else intervals err
-        independently.
-    order : int
-        ``FIRST_ORDER``, ``SECOND_ORDER`` or ``EXACT`` tilt correction.
-    instants : int64 (k,)
-        Numbers of steps, ascending, after which errors are wanted.
-    truth : float64 (k,)
-        True velocity then (m/s).
-    step_weights : float64 (n, 4)
-        Linear error per unit normal of each step's three axes and interval.
-    group_weights : float64 (k, 14)
-        Linear error at each instant per unit normal of what a group draws once.
-    given : float32 (16, count) or (0, 0)
-        Normals for what a group draws once, instead of drawing them, unless empty.
-    errors : float64 (3 k, count), written
-        At each instant: error of the group's first run, error of the mean of all runs,
-        sample standard deviation of the runs (m/s).
-    linear : float64 (3 k, count) or (3 k, 0), written
-        Linear errors of the same (zero for the standard deviation), unless empty.
-    curves : float64 (k, runs, count) or (0, 0, 0), written
-        Velocities of every run at the instants, unless empty.
-    """
-    n_instants = len(instants)
-    with_linear = linear.shape[1] > 0
-    with_curves = curves.shape[0] > 0
-    with_given = given.shape[1] > 0
-    difference = 1.0 if stamps else 0.0
-    stamp_error = time_error * math.sqrt(0.5) if stamps else time_error
-    random_state = np.empty(4 * LANES, np.uint32)
-    normals = np.empty(12 * LANES, np.float32)
-    constants = np.zeros(DRAWN * LANES, np.float32)
-    rest = np.empty(3 * LANES, np.float64)
-    systematic = np.empty(LANES, np.float64)
-    state = np.zeros(N_STATE, np.float64)
-    # Sums over the runs, shifted by the first run so that none of the digits is lost.
-    sums = np.empty((n_instants, 5, LANES), np.float64)
-    for block in range((count + LANES - 1) // LANES):
-        start = block * LANES
-        filled = min(LANES, count - start)
-        block_first = first + uint64(start)
-        if with_given:
-            take_constants(given, start, filled, DRAWN, constants)
-        else:
-            draw_constants(key, block_first, DRAWN, constants)
-        _draw_rest(constants, inputs, uncertainties, rest)
-        start_groups(constants, inputs, uncertainties, order, rest, state)
-        seed_lanes(key, block_first, WHITE_NOISE, random_state)
-        for run in range(runs):
-            if stamps:
-                draw_group(random_state, normals)  # the first of them is the first stamp's
-            start_run(stamps, normals, state)
-            done = 0
-            for instant in range(n_instants):
-                i = done
-                while i < instants[instant]:
-                    part = i % STEPS
-                    if part == 0:
-                        draw_group(random_state, normals)
-                    row = 4 * part * LANES
-                    size = STEPS if part == 0 and i + STEPS <= instants[instant] else 1
-                    if with_linear:
-                        for k in range(size):
-                            linear_row = row + 4 * k * LANES
-                            add_linear(i + k, linear_row, normals, step_weights, difference, state)
-                    if size == STEPS:
-                        _advance_three(
-                            i, normals, raw, white, interval, stamp_error, difference, state
-                        )
-                    else:
-                        _advance(
-                            i, row, normals, raw, white, interval, stamp_error, difference, state
-                        )
-                    i += size
-                done = instants[instant]
-                keep_run(run, state, sums[instant])
-                if with_curves:
-                    for j in range(filled):
-                        curves[instant, run, start + j] = state[SPEED + j]
-        for instant in range(n_instants):
-            finish_errors(instant, start, filled, runs, truth[instant], sums[instant], errors)
-            if with_linear:
-                add_constants(group_weights[instant], constants, systematic)
-                finish_linear(instant, start, filled, runs, systematic, sums[instant], linear)
-
-
-@scalar
-def keep_run(run, state, sums):
-    """Rows of ``sums``: first run, its linear error; then of the others, as differences to
-    the first: sum, sum of squares, sum of linear errors."""
+    run = _run_of(system, number)
     if run == 0:
-        for j in range(LANES):
-            sums[0, j] = state[SPEED + j]
-            sums[1, j] = state[LINEAR + j]
-            sums[2, j] = 0.0
-            sums[3, j] = 0.0
-            sums[4, j] = 0.0
-    else:
-        for j in range(LANES):
-            more = state[SPEED + j] - sums[0, j]
-            sums[2, j] += more
-            sums[3, j] += more * more
-            sums[4, j] += state[LINEAR + j] - sums[1, j]
-
-
-@scalar
-def finish_errors(instant, start, filled, runs, truth, sums, errors):
-    """Errors of the first run and of the mean, and the scatter of the runs."""
-    row = 3 * instant
-    for j in range(filled):
-        mean = sums[2, j] / runs
-        errors[row, start + j] = sums[0, j] - truth
-        errors[row + 1, start + j] = sums[0, j] + mean - truth
-        spread = sums[3, j] - runs * mean * mean
-        errors[row + 2, start + j] = math.sqrt(max(spread, 0.0) / (runs - 1)) if runs > 1 else 0.0
-
-
-@scalar
-def add_constants(weights, constants, systematic):
-    """Linear error that the constants with weights make, written into ``systematic``."""
+        _start_group(system, constants, rows)
     for j in range(LANES):
-        total = 0.0
-        for k in range(len(weights)):
-            total += weights[k] * np.float64(constants[k * LANES + j])
-        systematic[j] = total
+        stamp = np.float64(normals[j]) if system.difference != 0.0 else 0.0
+        rows[_SPEED + j] = 0.0
+        rows[_STAMP + j] = stamp
+        rows[_LINEAR + j] = 0.0
+        rows[_LINEAR_STAMP + j] = stamp
+
+
+@of(start_linear, Velocity)
+def _start_linear(system, constants, weights, rows):
+    for j in range(3 * LANES):
+        rows[_REST_LINEAR + j] = 0.0
 
 
 @scalar
-def finish_linear(instant, start, filled, runs, systematic, sums, linear):
-    """Linear errors of the same; there is none of the scatter."""
-    row = 3 * instant
+def _add_rest(i, row, normals, weights, rows):
+    """Add a sample at rest to the linear errors of the means."""
+    for axis in range(3):
+        weight = weights[i, axis]
+        own, drawn = row_of(rows, _REST_LINEAR // LANES + axis), row_of(normals, row + axis)
+        for j in range(LANES):
+            own[j] += weight * np.float64(drawn[j])
+
+
+@scalar
+def _add_rest_of_four(i, normals, samples, rows):
+    """The same for all samples that a draw serves."""
+    first, second, third, fourth = samples[i], samples[i + 1], samples[i + 2], samples[i + 3]
+    for axis in range(3):
+        a, b, c, d = first[axis], second[axis], third[axis], fourth[axis]
+        own = row_of(rows, _REST_LINEAR // LANES + axis)
+        w, x = row_of(normals, axis), row_of(normals, _AT_REST + axis)
+        y, z = row_of(normals, 2 * _AT_REST + axis), row_of(normals, 3 * _AT_REST + axis)
+        for j in range(LANES):
+            total = own[j]
+            total += a * np.float64(w[j])
+            total += b * np.float64(x[j])
+            total += c * np.float64(y[j])
+            total += d * np.float64(z[j])
+            own[j] = total
+
+
+@scalar
+def _share(system, weights, x, y, z, interval, before):
+    """A step's share of the linear error; ``before`` is the last stamp's normal."""
+    a, b, c, d = weights
+    return a * x + b * y + c * z + d * (interval - system.difference * before)
+
+
+@scalar
+def _weights(samples, i):
+    return samples[i, 0], samples[i, 1], samples[i, 2], samples[i, 3]
+
+
+@scalar
+def _add_one(system, i, row, normals, samples, rows):
+    """Add a step's share to the linear error of a run."""
+    weights = _weights(samples, i)
+    x, y = row_of(normals, row), row_of(normals, row + 1)
+    z, interval = row_of(normals, row + 2), row_of(normals, row + 3)
+    for j in range(LANES):
+        e = np.float64(interval[j])
+        rows[_LINEAR + j] += _share(system, weights, x[j], y[j], z[j], e, rows[_LINEAR_STAMP + j])
+        rows[_LINEAR_STAMP + j] = e
+
+
+@scalar
+def _add_three(system, i, normals, samples, rows):
+    """The same for all steps that a draw serves."""
+    first, second, third = _weights(samples, i), _weights(samples, i + 1), _weights(samples, i + 2)
+    for j in range(LANES):
+        x0, y0, z0, e0, x1, y1, z1, e1, x2, y2, z2, e2 = take(normals, j, NORMALS)
+        a, b, c = np.float64(e0), np.float64(e1), np.float64(e2)
+        total = rows[_LINEAR + j]
+        total += _share(system, first, x0, y0, z0, a, rows[_LINEAR_STAMP + j])
+        total += _share(system, second, x1, y1, z1, b, a)
+        total += _share(system, third, x2, y2, z2, c, b)
+        rows[_LINEAR + j] = total
+        rows[_LINEAR_STAMP + j] = c
+
+
+@of(add_linear, Velocity)
+def _add_linear(system, way, i, k, until, normals, weights, rows):
+    if way == REST and _AT_REST * (until - k) == NORMALS:
+        _add_rest_of_four(i, normals, weights, rows)
+    elif way == REST:
+        for sample in range(k, until):
+            _add_rest(i + sample, _AT_REST * sample, normals, weights, rows)
+    elif _IN_RUN * (until - k) == NORMALS:
+        _add_three(system, i, normals, weights, rows)
+    else:
+        for sample in range(k, until):
+            _add_one(system, i + sample, _IN_RUN * sample, normals, weights, rows)
+
+
+@scalar
+def _gather(run, value, start, filled, results):
+    """Rows of the results: first run; then of the others, as differences to the first, sum and
+    sum of squares, so that none of the digits is lost."""
+    first, sums, squares = results[0], results[1], results[2]
     for j in range(filled):
-        linear[row, start + j] = systematic[j] + sums[1, j]
-        linear[row + 1, start + j] = systematic[j] + sums[1, j] + sums[4, j] / runs
-        linear[row + 2, start + j] = 0.0
+        if run == 0:
+            first[start + j] = value[j]
+            sums[start + j] = 0.0
+            squares[start + j] = 0.0
+        else:
+            more = value[j] - first[start + j]
+            sums[start + j] += more
+            squares[start + j] += more * more
+
+
+@of(record, Velocity)
+def _record(system, number, asked, start, filled, rows, errors, linear, history):
+    run, row = _run_of(system, number), PER_INSTANT * asked
+    if run >= 0:
+        _gather(run, row_of(rows, _SPEED // LANES), start, filled, errors[row : row + PER_INSTANT])
+        if linear.shape[1] > 0:
+            own = row_of(rows, _LINEAR // LANES)
+            _gather(run, own, start, filled, linear[row : row + PER_INSTANT])
+        if history.shape[0] > 0:
+            for j in range(filled):
+                history[asked, run, start + j] = rows[_SPEED + j]
+
+
+@of(finish, Velocity)
+def _finish(system, rows, start, filled, errors):
+    """Velocities of the first run and mean of all, and their scatter, at every instant."""
+    runs = system.runs
+    for row in range(0, len(errors), PER_INSTANT):
+        for j in range(start, start + filled):
+            mean = errors[row + 1, j] / runs
+            spread = errors[row + 2, j] - runs * mean * mean
+            errors[row + 1, j] = errors[row, j] + mean
+            errors[row + 2, j] = math.sqrt(max(spread, 0.0) / (runs - 1)) if runs > 1 else 0.0
+
+
+@scalar
+def _add_constants(weights, constants, own):
+    """Add the linear error that what is drawn once makes."""
+    for k in range(len(weights)):
+        weight, drawn = weights[k], row_of(constants, k)
+        for j in range(LANES):
+            own[j] += weight * np.float64(drawn[j])
+
+
+@of(finish_linear, Velocity)
+def _finish_linear(system, constants, weights, start, filled, rows, linear):
+    """Linear errors of the same; there is none of the scatter."""
+    own, rest = row_of(rows, _LINEAR // LANES), rows[_REST_LINEAR:]
+    for instant in range(len(linear) // PER_INSTANT):
+        own[:] = 0.0
+        _add_constants(weights.constants[instant], constants, own)
+        if weights.rest.shape[0] > 0:
+            for axis in range(3):
+                weight, mean = weights.rest[instant, axis], row_of(rest, axis)
+                for j in range(LANES):
+                    own[j] += weight * mean[j]
+        row = PER_INSTANT * instant
+        for j in range(filled):
+            common = own[j] + linear[row, start + j]
+            linear[row, start + j] = common
+            linear[row + 1, start + j] = common + linear[row + 1, start + j] / system.runs
+            linear[row + 2, start + j] = 0.0
+
+
+@of(outcome, Velocity)
+def _outcome(system, rows, errors):
+    for j in range(LANES):
+        errors[0, j] = rows[_SPEED + j]

@@ -80,6 +80,11 @@ def log_columns(
     notes : iterable of str
         What was done to read it.
 
+    Returns
+    -------
+    ColumnFile
+        What reads it as if it were a table of text.
+
     Raises
     ------
     InputError

@@ -47,7 +47,9 @@ class Setting:
     name : str
         Of the option and of the argument.
     default : int or str
-    help : str
+        Where nothing is chosen; it also says which of the two it is.
+    help : str, optional
+        Of the option.
     choices : tuple of str
         What it may be, if that is a list.
     metavar : str, optional
@@ -79,6 +81,7 @@ class PaperTable:
     files : tuple of str
         Names of its tables, without ending.
     settings : tuple of Setting
+        What may be chosen for it; they arrive as keywords of ``compute``.
     folder : str
         Made inside the folder of results for them; none if empty.
     output : str, optional

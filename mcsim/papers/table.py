@@ -81,6 +81,12 @@ def table(name: str, **settings: int | str) -> Table:
     **settings
         The table's own, as its command has them: ``seed``, ``noise``, ``duration``.
 
+    Returns
+    -------
+    Table
+        ``tables`` by the names of their files, ``text`` as a terminal shows it, and
+        ``write(folder)``.
+
     Raises
     ------
     InputError

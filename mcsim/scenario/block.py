@@ -12,7 +12,11 @@ from mcsim.scenario.fields import reject
 
 
 class Block(BaseModel):
-    """Base of all blocks: unknown keys are errors, values never change."""
+    """Base of all blocks (a pydantic model): unknown keys are errors, values never change.
+
+    Fields are annotated with the types of ``mcsim.fields``: text with a unit outside, an SI float
+    inside.  The string below a field is its description in the schema.
+    """
 
     # Models are built when first used: a run uses those of one case.
     model_config = ConfigDict(

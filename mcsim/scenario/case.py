@@ -12,7 +12,12 @@ from mcsim.statistics import PERCENTILES, Statistic, estimated
 
 
 class CaseScenario(Block):
-    """A scenario of some case; each case adds the system that it simulates."""
+    """A scenario of some case; each case adds the system that it simulates.
+
+    A case says its ``ERRORS`` in the order of every table, which of them are ``DRAWN`` in a panel
+    of their own, and perhaps its ``PERCENTILES``; it narrows ``case`` to its own name and adds its
+    blocks.  Quantities are written with units and are SI floats in the model.
+    """
 
     #: Errors that the case reports, in the order of every table.
     ERRORS: ClassVar[tuple[str, ...]]

@@ -9,9 +9,18 @@ from typing import Any
 
 @dataclass(frozen=True)
 class IdleKey:
-    """A key that has no effect where ``idle`` holds, unless what decides it is swept.
+    """A key that has no effect in some scenarios, unless what decides it is swept.
 
-    ``deciding`` are the paths, or the beginnings of paths, that ``idle`` looks at.
+    Attributes
+    ----------
+    path : str
+        Of the key: ``body.roll.damping``.
+    deciding : tuple of str
+        The paths, or the beginnings of paths, that ``idle`` looks at.
+    idle : callable
+        ``idle(model)``: whether the key has no effect in this validated scenario.
+    reason : str
+        Why, as the note says it.
     """
 
     path: str

@@ -109,17 +109,17 @@ def channel_errors(
     channels, measured ones first, of the vehicle that stands before the run.  Before it the
     attitude is levelled for ``levelling`` (s), and before that biases are calibrated.
     """
-    return element_errors(
+    errors = element_errors(
         {ACCELEROMETER: sensors.accelerometer, GYROSCOPE: sensors.gyroscope},
         sensors.rate,
         channels,
         duration,
         at_rest,
         further,
-        sensors.time_jitter,
         sensors.calibration,
         levelling,
     )
+    return replace(errors, time_jitter=sensors.time_jitter)
 
 
 def element_errors(
@@ -129,7 +129,6 @@ def element_errors(
     duration: float,
     at_rest: Array | None = None,
     further: Sequence[Channel] = (),
-    time_jitter: float = 0.0,
     calibration: BiasCalibration | None = None,
     levelling: float = 0.0,
 ) -> ChannelErrors:
@@ -156,7 +155,7 @@ def element_errors(
         spike_rates=np.array([own.rate for own in spikes]),
         spike_amplitudes=np.array([own.amplitude for own in spikes]),
         bandwidths=tuple(only(own, LowPass, LowPass()).bandwidth for own in acts),
-        time_jitter=time_jitter,
+        time_jitter=0.0,
         interval=1.0 / rate,
         at_rest=at_rest[: len(channels)],
         hidden_bias=offset.together(constants if calibrated else {}, len(white)),

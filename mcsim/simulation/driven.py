@@ -43,6 +43,20 @@ class Driven:
 def driven(trajectory: Trajectory, sensors: Sensors, folder: Path) -> Driven:
     """What sensors of a level vehicle sample of a drive, with their errors.
 
+    Parameters
+    ----------
+    trajectory, sensors
+        The validated blocks of a scenario, SI.
+    folder : path
+        Where the files that they name are looked up.
+
+    Returns
+    -------
+    Driven
+        ``signals`` (n + 1, 3, or 4 with gravity where it shows): forward and left acceleration
+        (m/s^2), yaw turn (rad per interval); ``sensor_errors`` of these channels; ``truth`` at the
+        samples; ``interval`` (s), ``missing`` and ``beyond_rate``, for ``OwnReckoning``.
+
     Raises
     ------
     InputError
@@ -66,5 +80,21 @@ def driven(trajectory: Trajectory, sensors: Sensors, folder: Path) -> Driven:
 
 
 def samples_of(trajectory: Trajectory, sensors: Sensors, folder: Path) -> int:
-    """Samples of a realization, without sensing anything; raises as ``driven`` does."""
+    """Samples of a realization, without sensing anything.
+
+    Parameters
+    ----------
+    trajectory, sensors, folder
+        As of ``driven``.
+
+    Returns
+    -------
+    int
+        n, of the samples 0 ... n.
+
+    Raises
+    ------
+    InputError
+        As ``driven``.
+    """
     return sample_count(drive_of(trajectory, folder), sensors.rate)

@@ -46,6 +46,7 @@ def algorithm(
     Parameters
     ----------
     name : str
+        Tells its kernel apart, and begins messages.
     signals : tuple of str
         What the channels measure, in words; three or six of them.
     motion : type
@@ -61,6 +62,11 @@ def algorithm(
         Fields (rad) whose errors wrap at half a turn.
     lengths : mapping, optional
         Errors that are the length of the errors of some fields together: at most two.
+
+    Returns
+    -------
+    Algorithm
+        For ``OwnReckoning``; ``description.errors`` are the names of its errors, in order.
 
     Raises
     ------
@@ -108,12 +114,33 @@ def _fields(kind: type[Any], what: str) -> tuple[str, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class OwnReckoning(Reckoning):
-    """A point of a case that brings its own algorithm.
+    """A point of a case that brings its own algorithm: what the case's ``problem`` returns.
 
-    ``truth`` (f, n + 1) is the true motion at the samples 0 ... n, a row for each of its fields;
-    ``initial`` (f,) are the standard deviations of what is believed of it at the start.
-    ``parameters`` are numbers for the algorithm.  ``tracks`` are the fields that a picture of the
-    track shows, along first.
+    Attributes
+    ----------
+    algorithm : Algorithm
+        See ``algorithm``, which makes it.
+    signals : float64 (n + 1, c, or more)
+        What the c channels would measure at the samples 0 ... n: m/s^2, and rad per interval in the
+        place of angular rates; further columns show in them by misalignment.
+    sensor_errors : ChannelErrors
+        Of the channels, in the same units; of ``driven``.
+    truth : float64 (f, n + 1)
+        The true motion at the samples, a row for each of its f fields, SI.
+    initial : float64 (f,)
+        Standard deviations of what is believed of the motion at the start.
+    interval : float
+        Of the samples (s).
+    parameters : tuple of float
+        Numbers for the algorithm: ``system.parameters``.
+    tracks : tuple of str
+        The fields that a picture of the track shows, along first.
+    missing : mapping
+        Errors that are undefined, with the reason.
+    beyond_rate : float64 (c,)
+        Of each channel the share of power that the sampling rate does not hold.
+    percentiles : tuple of float
+        Of the errors, that tables hold.
     """
 
     algorithm: Algorithm

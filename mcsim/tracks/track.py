@@ -70,7 +70,24 @@ class Track:
 
 
 def along(curve: Callable[[Any], PlaneCurve]) -> Callable[[Any, Path], CurveManoeuvre]:
-    """The manoeuvre of a ``DrivenTrackBlock``, of whose shape ``curve(block)`` makes the curve."""
+    """The manoeuvre of a shape that is driven along a curve, at the block's speed.
+
+    Parameters
+    ----------
+    curve : callable
+        ``curve(block) -> PlaneCurve`` of a ``DrivenTrackBlock``: positions by arc length (m); see
+        ``mcsim.curves``.
+
+    Returns
+    -------
+    callable
+        ``manoeuvre(block, folder)``, as a ``Track`` has it.
+
+    Raises
+    ------
+    InputError
+        What ``curve`` raises, when the manoeuvre is made: a block that no curve fits.
+    """
 
     def manoeuvre(block: DrivenTrackBlock, _: Path) -> CurveManoeuvre:
         return CurveManoeuvre(

@@ -15,6 +15,8 @@ from tests.strapdown import constants_of
 
 #: From the kernel's order of channels to force and turn.
 FORCE, TURN = [0, 1, 3], [4, 5, 2]
+#: Of the filter in ``docs/examples/levelling_filter.py`` (s).
+TIME_CONSTANT = 5.0
 
 
 @dataclass(frozen=True)
@@ -27,12 +29,16 @@ class States:
 
 
 def integrate(force, turn, attitude, velocity, position, gravity, t, rule, share=0.5) -> States:
-    """Integrate measured samples 0 ... n with one of the four rules."""
+    """Integrate measured samples 0 ... n with one of the four rules, or with the filter's."""
     down = np.array([0.0, 0.0, -gravity])
     attitudes, velocities, positions = [attitude], [velocity], [position]
     for k in range(1, len(force)):
-        if rule == "rectangular":
-            attitude = attitude * Rotation.from_rotvec(turn[k])
+        if rule in ("rectangular", "levelling_filter"):
+            pull = np.zeros(3)
+            if rule == "levelling_filter":
+                up = attitude.inv().apply([0.0, 0.0, 1.0])
+                pull = t / TIME_CONSTANT * np.cross(force[k] / np.linalg.norm(force[k]), up)
+            attitude = attitude * Rotation.from_rotvec(turn[k] + pull)
             velocity = velocity + t * (attitude.apply(force[k]) + down)
             position = position + t * velocity
         elif rule == "forward_euler":

@@ -10,26 +10,41 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.kernels.velocity import GROUP_INPUTS
+from mcsim.kernels.velocity_system import Inputs
+from mcsim.sensors.error_model import ChannelErrors
 from mcsim.simulation.problem import LinearModel
+from mcsim.simulation.running import LinearWeights
+
+if TYPE_CHECKING:
+    from mcsim.systems.velocity.problem import VelocityProblem
 
 Array = NDArray[np.float64]
 
+_FIELDS = Inputs._fields
+
+
+def _columns(first: str, last: str) -> slice:
+    """Columns of a group's inputs, by their names."""
+    return slice(_FIELDS.index(first), _FIELDS.index(last) + 1)
+
+
+#: Columns of a group's inputs: rows of the calibration matrix, zero biases, means at rest.
+LX, LZ = _columns("lxx", "lxz"), _columns("lzx", "lzz")
+BIAS, REST = _columns("bx", "bz"), _columns("rest_x", "rest_z")
+_TILT, _GRAVITY = _FIELDS.index("tilt"), _FIELDS.index("gravity")
 #: What a group draws once, by source: columns of the group's weights.
 GROUP_SOURCES = {
-    "calibration matrix": slice(0, 6),
-    "zero bias": slice(6, 9),
-    "noise at rest": slice(9, 12),
-    "tilt change": slice(12, 13),
-    "gravity": slice(13, 14),
+    "calibration matrix": _columns("lxx", "lzz"),
+    "zero bias": BIAS,
+    "noise at rest": REST,
+    "tilt change": _columns("tilt", "tilt"),
+    "gravity": _columns("gravity", "gravity"),
 }
-#: Columns of the zero biases.
-BIAS = GROUP_SOURCES["zero bias"]
 #: What every step draws, by source.
 NOISE, TIME_BASE = "noise while moving", "time base"
 _COMPLEX_STEP = 1e-30
@@ -89,20 +104,25 @@ class VelocityWeights:
             times = np.cumsum(time**2)
         return {NOISE: noise[self.counts - 1], TIME_BASE: times[self.counts - 1]}
 
+    def kernel_weights(self) -> LinearWeights:
+        """The weights as the kernel takes them, where only white noise disturbs the samples."""
+        before = np.zeros((1, self.steps.shape[1]))
+        return LinearWeights(np.concatenate([before, self.steps]), self.group_with_offsets())
+
 
 def accelerations(raw: Array, inputs: NDArray[Any], order: int) -> NDArray[Any]:
     """Horizontal acceleration (n,) in m/s^2 from raw output (n, 3), Eq. (4), (5), (15)-(20).
 
     ``inputs`` (14,) as the kernel has them, real or complex.
     """
-    lx, lz, bias, g = inputs[0:3], inputs[3:6], inputs[6:9], inputs[13]
+    lx, lz, bias, g = inputs[LX], inputs[LZ], inputs[BIAS], inputs[_GRAVITY]
     p, q = _turn(_tilt(inputs), order)
     return g * ((raw - bias) @ (p * lx - q * lz))
 
 
 def calibration_pushes(raw: Array, inputs: Array, order: int) -> Array:
     """Derivatives (n, 9) of the acceleration with respect to l and B, the tilt being known."""
-    lx, lz, bias, g = inputs[0:3], inputs[3:6], inputs[6:9], inputs[13]
+    lx, lz, bias, g = inputs[LX], inputs[LZ], inputs[BIAS], inputs[_GRAVITY]
     p, q = (float(factor) for factor in _turn(_tilt(inputs), order))
     sensed = raw - bias
     by_bias = np.broadcast_to(q * lz - p * lx, sensed.shape)
@@ -111,8 +131,8 @@ def calibration_pushes(raw: Array, inputs: Array, order: int) -> Array:
 
 def _tilt(inputs: NDArray[Any]) -> Any:
     """The angle, Eq. (19) and (20)."""
-    lx, lz, at_rest = inputs[0:3], inputs[3:6], inputs[9:12] - inputs[6:9]
-    return np.arctan((lx @ at_rest) / (lz @ at_rest)) + inputs[12]
+    lx, lz, at_rest = inputs[LX], inputs[LZ], inputs[REST] - inputs[BIAS]
+    return np.arctan((lx @ at_rest) / (lz @ at_rest)) + inputs[_TILT]
 
 
 def _turn(theta: Any, order: int) -> tuple[Any, Any]:
@@ -124,36 +144,35 @@ def _turn(theta: Any, order: int) -> tuple[Any, Any]:
     return np.cos(theta), np.sin(theta)
 
 
-def velocity_weights(
-    raw: Array,
-    inputs: Array,
-    uncertainties: Array,
-    white: Array,
-    interval: float,
-    time_error: float,
-    stamps: bool,
-    order: int,
-    counts: NDArray[np.int64],
-    offsets: Mapping[str, Array],
-) -> VelocityWeights:
-    """Weights of all disturbances; parameters as in ``mcsim.kernels.velocity.simulate``.
-
-    ``offsets`` as in ``VelocityWeights``.
-    """
-    group = np.empty((len(counts), GROUP_INPUTS))
-    slopes = np.empty((len(counts), GROUP_INPUTS))
-    for k in range(GROUP_INPUTS):
+def velocity_weights(p: VelocityProblem) -> VelocityWeights:
+    """Weights of all disturbances, in closed form; those of the steps themselves agree."""
+    raw, inputs, counts, order = p.raw, p.inputs, p.steps, p.tilt_order
+    pushes = np.empty((len(counts), len(inputs)))
+    for k in range(len(inputs)):
         moved = inputs.astype(complex)
         moved[k] += _COMPLEX_STEP * 1j
-        pushes = np.cumsum(np.imag(accelerations(raw, moved, order)) / _COMPLEX_STEP)[counts - 1]
-        group[:, k] = uncertainties[k] * interval * pushes
-        slopes[:, k] = interval * pushes
-    bias = inputs[6:9]
-    per_axis = accelerations(bias + np.eye(3), inputs, order)
-    steps = np.empty((len(raw), 4))
-    steps[:, :3] = interval * per_axis * white
-    steps[:, 3] = _of_stamp(time_error, stamps) * accelerations(raw, inputs, order)
-    return VelocityWeights(steps, group, counts, stamps, slopes, interval * per_axis, offsets)
+        slopes = np.imag(accelerations(raw, moved, order)) / _COMPLEX_STEP
+        pushes[:, k] = np.cumsum(slopes)[counts - 1]
+    per_sample = p.interval * accelerations(inputs[BIAS] + np.eye(3), inputs, order)
+    times = _of_stamp(p.time_error, p.stamps) * accelerations(raw, inputs, order)
+    return VelocityWeights(
+        steps=np.column_stack([np.broadcast_to(per_sample * p.white, raw.shape), times]),
+        group=p.uncertainties * p.interval * pushes,
+        counts=counts,
+        stamps=p.stamps,
+        slopes=p.interval * pushes,
+        per_sample=per_sample,
+        offsets=_offsets(p.sensor_errors),
+    )
+
+
+def _offsets(errors: ChannelErrors) -> Mapping[str, Array]:
+    """Deviations (3,) of the axes' constant offsets, by source."""
+    return {
+        f"accelerometer {source}": deviations
+        for source, deviations in errors.constants.items()
+        if np.any(deviations)
+    }
 
 
 def _of_stamp(time_error: float, stamps: bool) -> float:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,17 +17,13 @@ from numpy.typing import NDArray
 from mcsim.sensor_terms.mechanisms.process import Processes
 from mcsim.sensors.measurement import Measurement
 from mcsim.simulation.problem import LinearModel
-from mcsim.systems.velocity.linear import VelocityWeights
+from mcsim.simulation.running import LinearWeights
+from mcsim.systems.velocity.linear import REST, VelocityWeights
 from mcsim.systems.velocity.scatter import mean_scatter, mean_square_scatter, scatter_quantile
-
-if TYPE_CHECKING:
-    from mcsim.kernels.velocity_measured import LinearWeights
 
 Array = NDArray[np.float64]
 
 _AXES = 3
-#: Columns of a group's inputs that hold the mean raw output at rest.
-_REST = slice(9, 12)
 
 
 @dataclass(frozen=True)
@@ -161,7 +156,7 @@ class MeasuredGroups:
     @property
     def _of_rest(self) -> Array:
         """Velocity (k, 3) per mean error of an axis at rest."""
-        return self.weights.slopes[:, _REST]
+        return self.weights.slopes[:, REST]
 
     @cached_property
     def _offsets(self) -> Array:
@@ -183,14 +178,16 @@ class MeasuredGroups:
         return np.stack(columns, axis=1) if columns else np.zeros((len(sums), 0))
 
     def kernel_weights(self) -> LinearWeights:
-        """The weights as ``mcsim.kernels.velocity_measured`` takes them."""
-        from mcsim.kernels.velocity_measured import LinearWeights
+        """The weights as the kernel takes them.
 
+        At rest those of each axis' mean error, in a run of the velocity at the end of the sample's
+        segment; the last column is the interval's.
+        """
         group, counts = self.group, self.group.counts
         most = self.measurement.terms.decay.shape[1]
         samples = np.zeros((group.total, 4))
         samples[group.at_rest :, 3] = np.tile(self.weights.steps[:, 3], group.runs)
-        states = np.zeros((len(counts), _AXES, most))
+        states = np.zeros((len(counts), 1, _AXES, most))
         left_at_rest = np.arange(group.at_rest)[::-1]
         left_in_run = np.tile(_left(group), group.runs)
         segments = np.diff(counts, prepend=0)
@@ -201,13 +198,14 @@ class MeasuredGroups:
             acts = own.deviations + np.sum(own.gains * sums[left], axis=1)
             samples[: group.at_rest, axis] = acts[: group.at_rest] / group.at_rest
             samples[group.at_rest :, axis] = of_run * acts[group.at_rest :]
-            states[:, axis, :p] = of_run * sums[segments]
+            states[:, 0, axis, :p] = of_run * sums[segments]
         once = self.weights.group.copy()
-        once[:, _REST] = 0.0  # measured
+        once[:, REST] = 0.0  # measured
         constants = np.concatenate(
             [once, self._offsets * self.measurement.offsets, self._mixing], axis=1
         )
-        return LinearWeights(samples, states, constants, np.ascontiguousarray(self._of_rest))
+        flat = states.reshape(len(counts), 1, _AXES * most)
+        return LinearWeights(samples, constants, flat, np.ascontiguousarray(self._of_rest))
 
     def _common(self) -> Mapping[str, Array]:
         """Variances (k,) by source of what all runs share, in-run noise apart."""

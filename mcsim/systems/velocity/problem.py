@@ -6,18 +6,23 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.kernels.velocity import drawn_rows
+from mcsim.kernels.velocity_system import PER_INSTANT, RUN, Deviations, Inputs, Velocity
 from mcsim.sensors.error_model import ChannelErrors
 from mcsim.sensors.measurement import Measurement
 from mcsim.simulation.limits import SMALL_TILT, Units, sensor_limits
 from mcsim.simulation.nets import net_normals
 from mcsim.simulation.problem import Array, History, Limit, LinearModel, Sample
+from mcsim.simulation.running import LinearWeights, Results, Sensors, run_into
 from mcsim.systems.velocity.linear import (
     BIAS,
+    LX,
+    LZ,
+    REST,
     VelocityWeights,
     velocity_linear_model,
     velocity_weights,
@@ -29,21 +34,16 @@ from mcsim.systems.velocity.scenario import Bias, Number, VelocityScenario
 from mcsim.systems.velocity.steps import check_group, rest_steps, step_count, steps_until
 from mcsim.systems.velocity.truth import run_motion
 
-if TYPE_CHECKING:
-    from mcsim.kernels.velocity_measured import LinearWeights
-
-#: Errors per instant: velocity of a run, of the mean, standard deviation of the runs.
-PER_INSTANT = 3
+#: Errors at every instant: velocity of a run, of the mean, standard deviation of the runs.
+_OF_FIRST, _OF_MEAN, _OF_SCATTER = range(PER_INSTANT)
 _MOST_TRACKS = 1000
 _TILT_ORDERS = ("first", "second", "exact")
-_NOTHING = np.zeros((0, 0))
-_NONE_GIVEN = np.zeros((0, 0), np.float32)
 _NO_CURVES = np.zeros((0, 0, 0))
 
 
 @dataclass(frozen=True)
 class VelocityProblem:
-    """Arrays and numbers of the velocity kernel; see ``mcsim.kernels.velocity.simulate``.
+    """Arrays and numbers of one point; see ``mcsim.kernels.velocity``.
 
     ``raw`` (n, 3) holds the undisturbed raw output at the steps, ``truth`` (n + 1,) the true
     velocity before each step and after the last; ``steps`` (k,) how many steps each asked
@@ -143,7 +143,7 @@ class VelocityProblem:
     @cached_property
     def signals(self) -> Array:
         """Raw output and what the axes sense (n + 1, 6): at rest, and at a run's steps."""
-        raw = np.concatenate([self.inputs[None, 9:12], self.raw])
+        raw = np.concatenate([self.inputs[None, REST], self.raw])
         return np.concatenate([raw, raw - self.inputs[BIAS]], axis=1)
 
     @cached_property
@@ -157,27 +157,12 @@ class VelocityProblem:
         if self.runs > 1:
             return {}
         reason = "a single run has no scatter; raise `runs`"
-        return dict.fromkeys(self.error_names[2::PER_INSTANT], reason)
+        return dict.fromkeys(self.error_names[_OF_SCATTER::PER_INSTANT], reason)
 
     @cached_property
     def weights(self) -> VelocityWeights:
         """First-order weights of all disturbances."""
-        return velocity_weights(
-            self.raw,
-            self.inputs,
-            self.uncertainties,
-            self.white,
-            self.interval,
-            self.time_error,
-            self.stamps,
-            self.tilt_order,
-            self.steps,
-            {
-                f"accelerometer {source}": deviations
-                for source, deviations in self.sensor_errors.constants.items()
-                if np.any(deviations)
-            },
-        )
+        return velocity_weights(self)
 
     @cached_property
     def _measured(self) -> MeasuredGroups:
@@ -196,8 +181,8 @@ class VelocityProblem:
 
     def limits(self, key: int, count: int) -> tuple[Limit, ...]:
         found = list(self.too_fast)
-        at_rest = self.inputs[9:12] - self.inputs[BIAS]
-        tilt = math.atan(float(self.inputs[:3] @ at_rest) / float(self.inputs[3:6] @ at_rest))
+        at_rest = self.inputs[REST] - self.inputs[BIAS]
+        tilt = math.atan(float(self.inputs[LX] @ at_rest) / float(self.inputs[LZ] @ at_rest))
         if self.tilt_order == 0 and abs(tilt) > SMALL_TILT:
             found.append(
                 Limit(
@@ -276,104 +261,61 @@ class VelocityProblem:
         curves: Array = _NO_CURVES,
     ) -> tuple[Array, Array]:
         """Errors (3 k, count) and linear errors of the same shape or (3 k, 0)."""
-        rows = PER_INSTANT * len(self.steps)
+        m, rows = self.measurement, PER_INSTANT * len(self.steps)
         errors = np.empty((rows, count))
         linear = np.empty((rows, count if controls else 0))
-        simulate = self._simulate_measured if self.is_measured else self._simulate_plainly
-        simulate(key, first, count, net, errors, linear, curves)
+        drawn = drawn_rows(self.is_measured, m.coefficients)
+        run_into(
+            self._system,
+            key,
+            first,
+            count,
+            Sensors(self._group_signals, self.white, m.terms),
+            self._kernel_weights if controls else None,
+            net_normals(key, first, count, net, drawn) if net else None,
+            Results(errors, linear, curves, self.steps),
+        )
+        for row in (_OF_FIRST, _OF_MEAN):
+            errors[row::PER_INSTANT] -= self.truth[self.steps, None]
         if self.runs == 1:
-            errors[2::PER_INSTANT] = np.nan
+            errors[_OF_SCATTER::PER_INSTANT] = np.nan
         return errors, linear
 
-    def _simulate_plainly(
-        self,
-        key: int,
-        first: int,
-        count: int,
-        net: int,
-        errors: Array,
-        linear: Array,
-        curves: Array,
-    ) -> None:
-        """White noise and offsets alone; an offset acts as an error of the zero bias."""
-        from mcsim.kernels.velocity import DRAWN, simulate
-
-        controls = linear.shape[1] > 0
-        uncertainties = self.uncertainties
-        if self.weights.offsets:
+    @cached_property
+    def _system(self) -> Velocity:
+        """The numbers of the system; without a rest an offset acts as an error of the zero bias."""
+        offsets, uncertainties = self.measurement.offsets, self.uncertainties
+        if not self.is_measured:
             uncertainties = uncertainties.copy()
             uncertainties[BIAS] = np.hypot(uncertainties[BIAS], self.sensor_errors.offsets)
-        simulate(
-            np.uint64(key),
-            np.uint64(first),
-            count,
-            self.runs,
-            self.raw,
-            self.inputs,
-            uncertainties,
-            self.white,
-            self.interval,
-            self.time_error,
-            self.stamps,
-            self.tilt_order,
-            self.steps,
-            self.truth[self.steps],
-            self.weights.steps if controls else _NOTHING,
-            self.weights.group_with_offsets() if controls else _NOTHING,
-            net_normals(key, first, count, net, DRAWN) if net else _NONE_GIVEN,
-            errors,
-            linear,
-            curves,
-        )
-
-    def _simulate_measured(
-        self,
-        key: int,
-        first: int,
-        count: int,
-        net: int,
-        errors: Array,
-        linear: Array,
-        curves: Array,
-    ) -> None:
-        """Every sample measured with all error terms, at rest and in all runs."""
-        from mcsim.kernels.velocity_measured import constant_rows, no_weights, simulate_measured
-
-        m = self.measurement
-        drawn = constant_rows(m.coefficients)  # type: ignore[no-untyped-call]
-        simulate_measured(
-            np.uint64(key),
-            np.uint64(first),
-            count,
-            self.runs,
-            self.at_rest,
-            self._all_signals,
-            self.inputs,
-            self.uncertainties,
-            m.offsets,
-            self.interval,
-            self.time_error,
-            self.stamps,
-            self.tilt_order,
-            self.steps,
-            self.truth[self.steps],
-            self._kernel_weights if linear.shape[1] > 0 else no_weights(),
-            net_normals(key, first, count, net, drawn) if net else _NONE_GIVEN,
-            errors,
-            linear,
-            curves,
-            m.terms,
+            offsets = np.zeros_like(offsets)
+        return Velocity(
+            way=RUN,
+            draws=True,
+            runs=self.runs,
+            samples=len(self.raw) if self.is_measured else int(self.steps[-1]),
+            at_rest=self.at_rest if self.is_measured else 0,
+            order=self.tilt_order,
+            interval=self.interval,
+            time_error=self.time_error * (math.sqrt(0.5) if self.stamps else 1.0),
+            difference=1.0 if self.stamps else 0.0,
+            inputs=Inputs(*map(float, self.inputs)),
+            deviations=Deviations(*map(float, (*offsets, *uncertainties))),
         )
 
     @cached_property
-    def _all_signals(self) -> Array:
-        """The signals (N, 6) of all samples of a group."""
+    def _group_signals(self) -> Array:
+        """The signals of all samples of a group that is measured, else (n + 1, 6) of one run."""
+        if not self.is_measured:
+            return self.signals
         rest, run = self.signals[:1], self.signals[1:]
         return np.concatenate([np.tile(rest, (self.at_rest, 1)), np.tile(run, (self.runs, 1))])
 
     @cached_property
     def _kernel_weights(self) -> LinearWeights:
-        return self._measured.kernel_weights()
+        return (
+            self._measured.kernel_weights() if self.is_measured else self.weights.kernel_weights()
+        )
 
 
 def _too_fast(model: VelocityScenario) -> Iterator[Limit]:
