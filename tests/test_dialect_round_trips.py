@@ -2,6 +2,7 @@
 
 import math
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -345,3 +346,13 @@ def test_a_dialect_of_ones_own_is_offered(lab_sheet, capsys):
     assert "lab-sheet" in capsys.readouterr().out
     assert exit_code(["convert", "0.2 °/√h", "--to", "lab-sheet"]) == 2
     assert '"lab-sheet" is not one of mcsim, datasheet' in capsys.readouterr().err
+
+
+def test_a_dialect_without_comments_has_no_head(lab_sheet, monkeypatch, tmp_path, capsys):
+    """What is written is what it writes: no line that its tool would stumble over."""
+    file = tmp_path / "mine.sheet"
+    file.write_text(SHEET)
+    add = DIALECTS.add
+    monkeypatch.setattr(DIALECTS, "add", lambda part: add(replace(part, comment="")))
+    assert lab_sheet("convert", file, "--to", "lab-sheet") == 0
+    assert capsys.readouterr().out.startswith("SENSOR mine\nARW 0.2")

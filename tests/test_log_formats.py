@@ -165,6 +165,7 @@ def same(first, second):
     assert Path(first).read_bytes() == Path(second).read_bytes()
 
 
+@pytest.mark.slow
 def test_a_static_log_of_ones_own_format(own):
     rng = np.random.default_rng(7)
     t = np.arange(6000) / 100.0
@@ -175,6 +176,7 @@ def test_a_static_log_of_ones_own_format(own):
         same(f"output/log/{table}", f"csv/{table}")
 
 
+@pytest.mark.slow
 def test_a_vibration_of_ones_own_format(own):
     t = np.arange(1000) / 200.0
     twins("log", {"t": "s", "az": "m/s²"}, np.column_stack([t, np.sin(2 * np.pi * 20 * t)]))
