@@ -26,6 +26,15 @@ _ORDINALS = {1: "st", 2: "nd", 3: "rd"}
 def percentile(p: float) -> Statistic:
     """The p-quantile as a statistic: ``percentile(0.975)`` is ``p97.5``.
 
+    Parameters
+    ----------
+    p : float
+        Between 0 and 1.
+
+    Returns
+    -------
+    Statistic
+
     Raises
     ------
     InputError
