@@ -81,6 +81,9 @@ Parts of one's own, for ``add(part)`` in a file that ``--with FILE.py`` loads:
 * ``Picture``: of the results of every run.
 * ``PaperTable`` with ``Computed`` and ``Setting``, ``PaperFigure``: beside those of the papers.
 * ``Command``: a click command of ``mcsim``; ``Report`` writes its folder.
+* ``Dialect``: a way to write sensors, with ``Assumptions``, ``Description``, ``Reading`` and
+  ``Term``; ``two_sided`` (densities) and ``without_words`` help to write one.
+* ``LogFormat``: a format of logs; ``log_columns`` reads a log's columns and units.
 * ``Case``: a system that can be simulated; ``ErrorQuantity``: an error that it reports.
 
 Rules and cases of one's own:
@@ -119,7 +122,17 @@ if TYPE_CHECKING:
     from mcsim.api.scenario_files import schema, validate
     from mcsim.api.vibration import analyse_vibration
     from mcsim.cli.command import Command
+    from mcsim.dialects import (
+        Assumptions,
+        Description,
+        Dialect,
+        Reading,
+        Term,
+        two_sided,
+        without_words,
+    )
     from mcsim.figures import Picture
+    from mcsim.logs import LogFormat, log_columns
     from mcsim.papers import Computed, PaperFigure, PaperTable, Setting
     from mcsim.papers.table import table
     from mcsim.report import Report
@@ -144,11 +157,14 @@ if TYPE_CHECKING:
     from mcsim.vibration.excitations import Excitation, ExcitationBlock
 
 __all__ = [
+    "Assumptions",
     "Block",
     "Case",
     "CaseScenario",
     "Command",
     "Computed",
+    "Description",
+    "Dialect",
     "DrivenTrackBlock",
     "ErrorQuantity",
     "Excitation",
@@ -156,12 +172,14 @@ __all__ = [
     "IdleKey",
     "InputError",
     "InterruptedRun",
+    "LogFormat",
     "McsimError",
     "OwnReckoning",
     "PaperFigure",
     "PaperTable",
     "PartialError",
     "Picture",
+    "Reading",
     "Report",
     "Results",
     "Scenario",
@@ -170,6 +188,7 @@ __all__ = [
     "Sensors",
     "Setting",
     "Statistic",
+    "Term",
     "Track",
     "TrackBlock",
     "Trajectory",
@@ -190,6 +209,7 @@ __all__ = [
     "fields",
     "linearity",
     "load",
+    "log_columns",
     "mechanisms",
     "percentile",
     "read_parameters",
@@ -197,7 +217,9 @@ __all__ = [
     "samples_of",
     "schema",
     "table",
+    "two_sided",
     "validate",
+    "without_words",
 ]
 
 #: Where public names are imported from when they are first used.
@@ -222,6 +244,15 @@ _WHERE = {
     # Parts of one's own.
     "Case": "mcsim.simulation.case",
     "Command": "mcsim.cli.command",
+    "Assumptions": "mcsim.dialects",
+    "Description": "mcsim.dialects",
+    "Dialect": "mcsim.dialects",
+    "Reading": "mcsim.dialects",
+    "Term": "mcsim.dialects",
+    "two_sided": "mcsim.dialects",
+    "without_words": "mcsim.dialects",
+    "LogFormat": "mcsim.logs",
+    "log_columns": "mcsim.logs",
     "Computed": "mcsim.papers",
     "DrivenTrackBlock": "mcsim.tracks",
     "ErrorQuantity": "mcsim.scenario.error_quantities",

@@ -21,6 +21,8 @@ KINDS: dict[str, tuple[str, str]] = {
     "PaperTable": ("mcsim.papers:PaperTable", "mcsim.papers:TABLES"),
     "PaperFigure": ("mcsim.papers:PaperFigure", "mcsim.papers:FIGURES"),
     "Command": ("mcsim.cli.command:Command", "mcsim.cli.commands:COMMANDS"),
+    "Dialect": ("mcsim.dialects:Dialect", "mcsim.dialects:DIALECTS"),
+    "LogFormat": ("mcsim.logs:LogFormat", "mcsim.logs:LOG_FORMATS"),
     "Track": ("mcsim.tracks:Track", "mcsim.tracks:TRACKS"),
     "Excitation": (
         "mcsim.vibration.excitations:Excitation",

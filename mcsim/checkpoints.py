@@ -44,9 +44,10 @@ class Checkpoint:
         digest = hashlib.blake2b(digest_size=16)
         digest.update(f"{__version__}\n{json.dumps(scenario.document.tree)}".encode())
         for name in sorted({name for point in scenario.points for name in point.model.files}):
-            with (scenario.folder / name).open("rb") as file:
-                while block := file.read(1 << 20):
-                    digest.update(block)
+            for path in _files(scenario.folder / name):
+                with path.open("rb") as file:
+                    while block := file.read(1 << 20):
+                        digest.update(block)
         return cls(folder / f"{CHECKPOINT}{digest.hexdigest()}.jsonl", scenario)
 
     def read(self) -> dict[int, PointResult]:
@@ -230,3 +231,10 @@ def _refuse_unfit(scenario: Scenario, index: int, result: PointResult) -> None:
     texts = (*result.limits, *(text for note in result.notes.items() for text in note))
     if not all(isinstance(text, str) for text in texts):
         raise TypeError(index)
+
+
+def _files(path: Path) -> list[Path]:
+    """The files of an input: itself, or all in a folder."""
+    if not path.is_dir():
+        return [path]
+    return [file for file in sorted(path.rglob("*")) if file.is_file()]

@@ -2,6 +2,7 @@
 
 import math
 import random
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,11 +11,11 @@ from scipy.optimize import minimize_scalar
 from mcsim.cli.main import exit_code
 from mcsim.dialects import (
     DIALECTS,
-    READABLE,
-    WRITABLE,
     Assumptions,
     Description,
     read_sensor,
+    readable,
+    writable,
     write_sensor,
 )
 from mcsim.dialects.bias import FLOOR, PEAK
@@ -23,6 +24,7 @@ from mcsim.errors import InputError
 from mcsim.units import KINDS, parse
 
 ANSWERS = Assumptions({"RandomWalk": "K", "corrtime": "gyroscope"}, 100.0, "largest")
+EXAMPLE = Path(__file__).parent.parent / "docs" / "examples" / "lab_sheet.py"
 #: What mcsim's own dialects are read as.
 OWN = {"datasheet": "mcsim", "allan": "mcsim"}
 #: What the first does not know, and the second needs.
@@ -111,8 +113,8 @@ def check(sensor, there):
     return away
 
 
-@pytest.mark.parametrize("home", WRITABLE)
-@pytest.mark.parametrize("there", WRITABLE)
+@pytest.mark.parametrize("home", writable())
+@pytest.mark.parametrize("there", writable())
 def test_every_dialect_to_every_other_and_back(home, there):
     at_home, text = travel(full_sensor(), home)
     assert check(full_sensor(), home) == at_home
@@ -133,7 +135,7 @@ def same_all(first, second):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("there", WRITABLE)
+@pytest.mark.parametrize("there", writable())
 def test_random_sensors_arrive_whole_or_are_refused(there):
     draw = random.Random(8)
     arrived, reasons = 0, []
@@ -153,10 +155,10 @@ def test_random_sensors_arrive_whole_or_are_refused(there):
 
 
 def test_the_table_lists_what_can_be_read_and_written():
-    assert set(READABLE) | set(WRITABLE) == set(DIALECTS)
-    for name in READABLE:
+    assert set(readable()) | set(writable()) == set(DIALECTS)
+    for name in readable():
         assert DIALECTS[name].recognises is not None
-    for name in set(READABLE) & set(WRITABLE):
+    for name in set(readable()) & set(writable()):
         text = write_sensor(full_sensor(), name, ANSWERS)
         recognised = [d.name for d in DIALECTS.values() if d.recognises and d.recognises(text)]
         assert recognised == [name]
@@ -287,3 +289,59 @@ def test_the_rate_is_that_of_the_file_or_of_its_elements(tmp_path, capsys):
         assert f"update_rate: {rate[:3]}.0" in capsys.readouterr().out
     assert kalibr(AXES, "--axis", "x", "--rate", "100 Hz", tmp_path=tmp_path) == 2
     assert "its rate is 200 Hz, and --rate says 100 Hz" in capsys.readouterr().err
+
+
+@pytest.fixture
+def lab_sheet():
+    """Runs a command line with the dialect of the example, and forgets it again."""
+
+    def run(*arguments):
+        try:
+            return exit_code(["--with", str(EXAMPLE), *map(str, arguments)])
+        finally:
+            DIALECTS.remove("lab-sheet")
+
+    return run
+
+
+SHEET = "SENSOR mine\nARW 0.2  # by the oven\nVRW 0.03\n"
+
+
+def test_a_dialect_of_ones_own_is_converted_there_and_back(lab_sheet, tmp_path, capsys):
+    file = tmp_path / "mine.sheet"
+    file.write_text(SHEET)
+    assert lab_sheet("convert", file, "--to", "mcsim") == 0
+    own = tmp_path / "mine.yaml"
+    own.write_text(capsys.readouterr().out)
+    # Allan's N of 0.2 °/√h is 0.2 π / 180 / 60 rad/√s.
+    assert f"{0.2 * math.pi / 10800:.6g}"[:6] in own.read_text()
+    assert lab_sheet("convert", own, "--to", "lab-sheet") == 0
+    text = capsys.readouterr().out
+    assert text.startswith("# sheet of the laboratory: ARW and VRW are Allan's N")
+    assert "SENSOR mine" in text
+    assert float(text.split("ARW ")[-1].split()[0]) == pytest.approx(0.2, rel=1e-12)
+    own.write_text("gyroscope: {noise_density: 1 °/s/√Hz, bias_instability: 3 °/h}\n"
+                   "accelerometer: {noise_density: 1 mg/√Hz}\n")  # fmt: skip
+    assert lab_sheet("convert", own) == 0
+    told = capsys.readouterr().out
+    assert "# --to lab-sheet\n" in told
+    assert "gyroscope, not carried over: bias_instability" in told
+
+
+def test_a_dialect_of_ones_own_is_characterised(lab_sheet, tmp_path, capsys):
+    file = tmp_path / "mine.sheet"
+    file.write_text(SHEET)
+    assert lab_sheet("characterise", file, "--output", tmp_path / "out", "--quiet") == 0
+    assert "angle_random_walk: 0.2 °/√h" in (tmp_path / "out" / "sensor.yaml").read_text()
+    file.write_text("ARW much\nVRW 1\n")
+    assert lab_sheet("characterise", file) == 2
+    assert "mine.sheet: needs a line such as `ARW 0.2`" in capsys.readouterr().err
+
+
+def test_a_dialect_of_ones_own_is_offered(lab_sheet, capsys):
+    assert lab_sheet("convert", "0.2 °/√h", "--to", "lab-sheet") == 0
+    assert "ARW 0.2" in capsys.readouterr().out
+    assert lab_sheet("convert", "--help") == 0
+    assert "lab-sheet" in capsys.readouterr().out
+    assert exit_code(["convert", "0.2 °/√h", "--to", "lab-sheet"]) == 2
+    assert '"lab-sheet" is not one of mcsim, datasheet' in capsys.readouterr().err

@@ -90,22 +90,32 @@ def test_compressed_files_are_read_directly(tmp_path, ending, opener):
 @pytest.mark.parametrize("folder", ["imu0", "mav0/imu0"])
 def test_euroc_folders(tmp_path, folder):
     """Nanoseconds since 1970 do not fit into a float; the intervals must survive."""
-    (tmp_path / folder).mkdir(parents=True)
+    make_euroc(tmp_path, folder)
+    log = read_log(tmp_path)
+    check(log)
+    assert log.timing.jitter < 1e-6
+
+
+def make_euroc(path, folder="imu0"):
+    (path / folder).mkdir(parents=True)
     titles = ["#timestamp [ns]", *(f"w_RS_S_{a} [rad s^-1]" for a in "xyz")]
     titles += [f"a_RS_S_{a} [m s^-2]" for a in "xyz"]
     stamps = 1_403_636_579_758_555_392 + np.arange(ROWS, dtype=np.int64) * 10_000_000
     rows = [",".join(titles)]
     for stamp, w, a in zip(stamps, GYRO, ACCEL, strict=True):
         rows.append(",".join([str(stamp), *(repr(float(x)) for x in (*w, *a))]))
-    (tmp_path / folder / "data.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
-    log = read_log(tmp_path)
-    check(log)
-    assert log.timing.jitter < 1e-6
+    (path / folder / "data.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return path
+
+
+def make_gnss_ins_sim(path):
+    write(path / "accel-0.csv", [ACCEL], [f"accel_{a} (m/s^2)" for a in "xyz"])
+    write(path / "gyro-0.csv", [np.rad2deg(GYRO)], [f"gyro_{a} (deg/s)" for a in "xyz"])
+    return path
 
 
 def test_gnss_ins_sim_folders(tmp_path):
-    write(tmp_path / "accel-0.csv", [ACCEL], [f"accel_{a} (m/s^2)" for a in "xyz"])
-    write(tmp_path / "gyro-0.csv", [np.rad2deg(GYRO)], [f"gyro_{a} (deg/s)" for a in "xyz"])
+    make_gnss_ins_sim(tmp_path)
     with pytest.raises(InputError, match="no time stamps"):
         read_log(tmp_path)
     write(tmp_path / "time.csv", [TIME], ["time (sec)"])

@@ -8,8 +8,8 @@ from mcsim.errors import InputError, UnitError
 from mcsim.logs import ReadOptions, read_log
 from mcsim.logs.cells import Notation, notation_of, number
 from mcsim.logs.csv_file import open_csv
+from mcsim.logs.formats import read_table
 from mcsim.logs.names import meaning_of
-from mcsim.logs.table import read_table
 from mcsim.logs.titles import factor_of, split_title
 from mcsim.units import KINDS, STANDARD_GRAVITY
 from mcsim.vibration.log import read_vibration_log
@@ -107,7 +107,7 @@ VARIANTS = {
 def test_one_table_in_many_dialects(tmp_path, name):
     path = tmp_path / "log.csv"
     path.write_bytes(VARIANTS[name].encode())
-    read = read_table(path, None, None)
+    read = read_table(path, ReadOptions())
     assert set(read.values) == {"time", "accel_x", "accel_y", "accel_z"}
     np.testing.assert_allclose(read.values["time"], TIME, atol=1e-9)
     for i, axis in enumerate("xyz"):
@@ -119,7 +119,7 @@ def test_one_table_in_many_dialects(tmp_path, name):
 def test_other_encodings_are_read_and_said(tmp_path, encoding):
     path = tmp_path / "log.csv"
     path.write_bytes(PLAIN.replace("^2", "²").encode(encoding))
-    read = read_table(path, None, None)
+    read = read_table(path, ReadOptions())
     np.testing.assert_allclose(read.values["accel_z"], ACCEL[:, 2], atol=1e-6)
     assert any("no UTF-8" in note for note in read.notes) == (encoding != "utf-8-sig")
 
@@ -128,7 +128,7 @@ def test_a_cut_last_line_leaves_whole_nanoseconds_whole(tmp_path):
     start = 1_403_636_579_758_555_392
     rows = [f"{start + i * 5_000_001},{i}" for i in range(20)]
     (tmp_path / "a.csv").write_text("t [ns],gx [rad/s]\n" + "\n".join(rows) + "\n1403636579")
-    read = read_table(tmp_path / "a.csv", None, None)
+    read = read_table(tmp_path / "a.csv", ReadOptions())
     np.testing.assert_allclose(read.values["time"], np.arange(20) * 5_000_001e-9, rtol=1e-15)
 
 
@@ -164,7 +164,7 @@ def test_rows_are_counted_as_they_are_read(tmp_path):
 def test_refusals_tell_the_way_out(tmp_path, text, message):
     (tmp_path / "a.csv").write_text(text)
     with pytest.raises(InputError) as error:
-        read_table(tmp_path / "a.csv", None, None)
+        read_table(tmp_path / "a.csv", ReadOptions())
     assert message in str(error.value)
 
 
@@ -257,7 +257,7 @@ def columns_of(tmp_path, titles, **options):
     path = tmp_path / "log.csv"
     lines = [",".join(map(repr, map(float, row))) for row in rows]
     path.write_text("\n".join([",".join(titles), *lines]) + "\n")
-    read = read_table(path, options.get("columns"), options.get("units"))
+    read = read_table(path, ReadOptions(**options))
     return rows, read
 
 

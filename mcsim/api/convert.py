@@ -10,12 +10,12 @@ from typing import Any
 from mcsim import catalogue
 from mcsim.api.found import Found
 from mcsim.dialects import (
-    WRITABLE,
     Assumptions,
     Description,
     Reading,
     describe_file,
     read_file,
+    writable,
     write_sensor,
 )
 from mcsim.dialects.quantity import Conversion
@@ -93,10 +93,10 @@ def convert(
     sensor : path or str
         A file in any dialect, or the name of a built-in sensor.
     to : str, optional
-        One of ``mcsim.dialects.WRITABLE``; where it is not given, what a dialect cannot hold is
+        One of ``mcsim.dialects.writable()``; where it is not given, what a dialect cannot hold is
         told in ``refused``.
     source : str, optional
-        One of ``mcsim.dialects.READABLE``; recognised if absent.
+        One of ``mcsim.dialects.readable()``; recognised if absent.
     assume : mapping, optional
         Answers to what a file leaves open, by key.
     rate : float, optional
@@ -126,7 +126,7 @@ def convert(
             description, {to: write_sensor(description, to, assumptions)}, notes=notes
         )
     texts, refused = {}, {}
-    for name in WRITABLE:
+    for name in writable():
         try:
             texts[name] = write_sensor(description, name, assumptions)
         except InputError as error:

@@ -44,6 +44,7 @@ class LogOptions(TypedDict, total=False):
     rate: float
     channels: tuple[str, ...]
     time: str
+    topic: str
     cut: tuple[float | None, float | None]
 
 
@@ -99,7 +100,7 @@ def analyse_vibration(
     progress: Callable[[float], None] = lambda _: None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Vibration:
-    """Analyse the vibration in a log (CSV), or simulate a scenario (YAML) and analyse that.
+    """Analyse the vibration in a log, or simulate a scenario (YAML) and analyse that.
 
     Parameters
     ----------
@@ -113,7 +114,8 @@ def analyse_vibration(
     cylinders : int, optional
         Of that engine; 4 if absent.
     read : LogOptions, optional
-        How a log is read: ``unit``, ``rate`` (Hz), ``channels``, ``time``, ``cut`` (s).
+        How a log is read: ``unit``, ``rate`` (Hz), ``channels``, ``time``, ``topic`` of a
+        bag, ``cut`` (s).
     progress : callable
         Is told the share simulated, 0 to 1.
     tell : callable
@@ -135,8 +137,8 @@ def analyse_vibration(
     if path.suffix.casefold() in _SCENARIO_ENDINGS:
         if read:
             raise InputError(
-                "--rate, --time, --unit, --channel, --start and --end belong to a log, not to a "
-                "scenario"
+                "--rate, --time, --unit, --channel, --topic, --start and --end belong to a log, "
+                "not to a scenario"
             )
         scenario = read_vibration(path, sensor)
     chain = _chain(scenario.analysis if scenario else Chain(), filters or {})

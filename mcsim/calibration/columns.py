@@ -1,4 +1,4 @@
-"""The named columns of a test's CSV file, its outputs in fractions of g."""
+"""The named columns of a test's file, its outputs in fractions of g."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError, UnitError
+from mcsim.logs.column_file import ColumnFile, scaled
 from mcsim.logs.columns import Column, said
-from mcsim.logs.csv_file import CsvFile, open_csv, scaled
+from mcsim.logs.formats import open_log
 from mcsim.logs.names import meaning_of
 from mcsim.logs.titles import factor_of
 from mcsim.units import KINDS, STANDARD_GRAVITY
@@ -23,7 +24,7 @@ Array = NDArray[np.float64]
 class Columns:
     """Columns (n,) of a file by name: ``outputs`` in fractions of g, ``texts`` as written."""
 
-    file: CsvFile
+    file: ColumnFile
     outputs: dict[str, Array]
     texts: dict[str, list[str]]
 
@@ -39,7 +40,7 @@ def read_columns(
     optional: tuple[str, ...] = (),
     tell: Callable[[str], None] | None = None,
 ) -> Columns:
-    """Read a CSV file whose header names ``outputs`` and ``texts``, perhaps ``optional`` texts.
+    """Read a log whose header names ``outputs`` and ``texts``, perhaps ``optional`` texts.
 
     Outputs may be in g, mg, m/s² or counts (``16384 counts/g``), stated in brackets; without a
     unit they are fractions of g.  A column of an axis may also be called as in a log (``ax``,
@@ -51,7 +52,7 @@ def read_columns(
         No such file, columns missing, a unit that is no acceleration's, a cell that is no number,
         or a line with too many cells.
     """
-    file = open_csv(path)
+    file = open_log(path)
     places = _places(file)
     wanted = ", ".join((*texts, *outputs))
     missing = [name for name in (*texts, *outputs) if name not in places]
@@ -80,7 +81,7 @@ def read_columns(
     )
 
 
-def _places(file: CsvFile) -> dict[str, int]:
+def _places(file: ColumnFile) -> dict[str, int]:
     """Places by name in small letters; axes of an accelerometer by their letter too."""
     titles = file.titles or ()
     places: dict[str, int] = {}
@@ -97,7 +98,7 @@ def _places(file: CsvFile) -> dict[str, int]:
     return places
 
 
-def _column(file: CsvFile, place: int, name: str) -> Column:
+def _column(file: ColumnFile, place: int, name: str) -> Column:
     """The column, with the factor to fractions of standard gravity."""
     unit = file.titles[place].unit if file.titles else ""
     try:
@@ -115,7 +116,7 @@ def _factor(unit: str) -> float:
         return factor_of(unit, KINDS["acceleration"]) / STANDARD_GRAVITY
 
 
-def _notes(file: CsvFile, columns: dict[str, Column], texts: list[int]) -> list[str]:
+def _notes(file: ColumnFile, columns: dict[str, Column], texts: list[int]) -> list[str]:
     """Which column is what; that of g, where none is stated, is taken for granted and said."""
     unstated = [f'"{c.title}"' for c in columns.values() if not (file.titles or ())[c.place].unit]
     notes = [said(file, list(columns.values()), texts), *file.notes]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mcsim.characterisation.analysis import Characterisation
     from mcsim.characterisation.fit import Intervals
 
-_ENDINGS = (".gz", ".xz", ".bz2", ".csv", ".txt", ".yaml", ".yml", ".bag", ".mcap", ".db3")
+_PACKED = (".gz", ".xz", ".bz2", ".zst")
 _FILES = ("sensor.yaml", "allan.csv", "psd.csv", "allan.png", "allan.svg", "psd.png", "psd.svg")
 
 
@@ -78,7 +78,7 @@ class _Options(TypedDict):
 @click.option(
     "--from",
     "dialect",
-    type=DialectName("READABLE"),
+    type=DialectName("readable"),
     help="Dialect of ready parameters; recognised if absent.",
 )
 @click.option(
@@ -156,9 +156,11 @@ def _log(log: Path, folder: Path, options: _Options) -> None:
 
 
 def _is_parameters(log: Path) -> bool:
-    from mcsim.dialects import ENDINGS
+    """Whether a name is one of a dialect's files, and no format of logs knows the file."""
+    from mcsim.dialects import endings
+    from mcsim.logs.formats import recognising
 
-    return log.suffix.lower() in ENDINGS
+    return log.suffix.lower() in endings() and not recognising(log)
 
 
 _WHITE = {"continuous": "continuous", "discrete": "per_sample"}
@@ -229,7 +231,12 @@ def _summary(result: Characterisation) -> str:
 
 
 def _stem(log: Path) -> str:
+    """The name without the endings that formats and dialects have."""
+    from mcsim.dialects import endings as of_dialects
+    from mcsim.logs.formats import endings as of_logs
+
+    known = {*_PACKED, *of_logs(), *of_dialects()}
     name = log.resolve().name
-    while Path(name).suffix.lower() in _ENDINGS:
+    while Path(name).suffix.lower() in known:
         name = Path(name).stem
     return name or "log"

@@ -35,8 +35,8 @@ class _Command(click.Command):
 
 @click.command(cls=_Command)
 @click.argument("given", metavar="QUANTITY|FILE|SENSOR")
-@click.option("--from", "source", type=DialectName("READABLE"), help="Recognised if absent.")
-@click.option("--to", "target", type=DialectName("WRITABLE"), help="All of them if absent.")
+@click.option("--from", "source", type=DialectName("readable"), help="Recognised if absent.")
+@click.option("--to", "target", type=DialectName("writable"), help="All of them if absent.")
 @click.option(
     "--as", "role", metavar="KEY", help="What a quantity is, where its unit does not say."
 )
@@ -100,10 +100,10 @@ def _quantity(conversion: Conversion) -> str:
 
 def _all(found: Translation) -> str:
     """Every dialect under its name, or why it cannot be written."""
-    from mcsim.dialects import WRITABLE
+    from mcsim.dialects import writable
 
     parts = []
-    for name in WRITABLE:
+    for name in writable():
         if name in found.texts:
             parts.append(f"# --to {name}\n{found.texts[name]}")
         else:

@@ -10,17 +10,17 @@ from mcsim.errors import InputError
 
 
 class DialectName(click.ParamType):  # type: ignore[type-arg, unused-ignore]
-    """One of ``mcsim.dialects.READABLE`` or ``WRITABLE``, which are looked up when needed."""
+    """One that ``mcsim.dialects.readable`` or ``writable`` names, looked up when needed."""
 
     name = "dialect"
 
-    def __init__(self, table: str) -> None:
-        self.table = table
+    def __init__(self, which: str) -> None:
+        self.which = which
 
     def _choices(self) -> tuple[str, ...]:
         from mcsim import dialects
 
-        names: tuple[str, ...] = getattr(dialects, self.table)
+        names: tuple[str, ...] = getattr(dialects, self.which)()
         return names
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:

@@ -34,6 +34,7 @@ class _Options(TypedDict):
     rate: str | None
     stamps: str | None
     channels: tuple[str, ...]
+    topic: str | None
     unit: str | None
     start: float | None
     end: float | None
@@ -61,14 +62,15 @@ class _Options(TypedDict):
     help="Of columns without one: those of --channel, else those named like an acceleration; "
     "also counts, '16384 counts/g'.",
 )
+@click.option("--topic", help="Topic of the IMU in a bag.")
 @click.option("--start", type=float, metavar="S", help="Leave out what lies before (s) in a log.")
 @click.option("--end", type=float, metavar="S", help="Leave out what lies after (s) in a log.")
 @QUIET
 def vibration(given: Path, **options: Unpack[_Options]) -> None:
-    """Analyse the vibration in a log (CSV), or simulate a scenario and analyse that.
+    """Analyse the vibration in a log, or simulate a scenario and analyse that.
 
     A log has a header with units ("time [ms],az [m/s²]"), or they are given by --time and --unit;
-    dates and times need none.
+    dates and times need none. It is of any format that mcsim characterise reads.
 
     Filters the channels, and writes peak, RMS, signal-to-noise ratio, velocity and displacement,
     spectra, engine orders and a figure.
@@ -115,6 +117,7 @@ def _reading(options: _Options) -> LogOptions:
         "rate": _hertz(options["rate"]),
         "channels": options["channels"] or None,
         "time": options["stamps"],
+        "topic": options["topic"],
         "cut": cut if cut != (None, None) else None,
     }
     chosen: Any = {key: value for key, value in given.items() if value is not None}

@@ -9,31 +9,36 @@ was established from.  What a dialect leaves open is asked, never guessed; what 
 does not understand is named, never passed over.
 """
 
-from mcsim.dialects.description import Assumptions, Description, Reading, describe_file
+from mcsim.dialects.description import Assumptions, Description, Reading, describe_file, two_sided
 from mcsim.dialects.dialect import Dialect
+from mcsim.dialects.foreign import without_words
 from mcsim.dialects.registry import (
     DIALECTS,
-    ENDINGS,
-    READABLE,
-    WRITABLE,
+    endings,
     read_file,
     read_sensor,
+    readable,
     recognise,
+    writable,
     write_sensor,
 )
+from mcsim.dialects.terms import Term
 
 __all__ = [
     "DIALECTS",
-    "ENDINGS",
-    "READABLE",
-    "WRITABLE",
     "Assumptions",
     "Description",
     "Dialect",
     "Reading",
+    "Term",
     "describe_file",
+    "endings",
     "read_file",
     "read_sensor",
+    "readable",
     "recognise",
+    "two_sided",
+    "without_words",
+    "writable",
     "write_sensor",
 ]

@@ -13,6 +13,7 @@ from mcsim.dialects.terms import Term
 class Dialect:
     """How one tool writes a sensor.
 
+    ``title`` tells people what it is, ``comment`` begins a comment line in it.
     ``convention`` says what its noise numbers mean; ``recognises`` whether a text is written
     in it.  ``read`` takes a text, its name for messages, and the user's answers; ``write`` a
     description and the answers.  Either is None where it makes no sense.  ``terms`` are the

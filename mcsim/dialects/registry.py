@@ -1,4 +1,4 @@
-"""The table of dialects: another one is a file with a ``DIALECT`` and a line here."""
+"""The list of dialects: another one is a file with a ``DIALECT`` and a line here."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from mcsim.dialects import gnss_ins_sim, imu_utils, kalibr, kf_gins, matlab, own
 from mcsim.dialects.description import Assumptions, Description, Reading
 from mcsim.dialects.dialect import Dialect
 from mcsim.errors import InputError
+from mcsim.registry import Registry
 from mcsim.scenario.document import Genre, read_text
 
-DIALECTS: dict[str, Dialect] = {
-    dialect.name: dialect
-    for dialect in (
+DIALECTS: Registry[Dialect] = Registry(
+    "dialect",
+    (
         own.DIALECT,
         own.DATA_SHEET,
         own.ALLAN,
@@ -23,14 +24,25 @@ DIALECTS: dict[str, Dialect] = {
         gnss_ins_sim.DIALECT,
         kf_gins.DIALECT,
         imu_utils.DIALECT,
-    )
-}
-READABLE = tuple(d.name for d in DIALECTS.values() if d.read is not None)
-WRITABLE = tuple(d.name for d in DIALECTS.values() if d.write is not None)
-#: What the names of such files end with.
-ENDINGS = (*dict.fromkeys(d.ending for d in DIALECTS.values()), ".yml")
+    ),
+)
 _COMMENT_WIDTH = 96
 _GENRE = Genre("parameter", "is written in one of the dialects")
+
+
+def readable() -> tuple[str, ...]:
+    """Names of the dialects that are read."""
+    return tuple(d.name for d in DIALECTS.values() if d.read is not None)
+
+
+def writable() -> tuple[str, ...]:
+    """Names of the dialects that are written."""
+    return tuple(d.name for d in DIALECTS.values() if d.write is not None)
+
+
+def endings() -> tuple[str, ...]:
+    """What the names of such files end with."""
+    return (*dict.fromkeys(d.ending for d in DIALECTS.values()), ".yml")
 
 
 def recognise(text: str, source: str) -> Dialect:
@@ -63,7 +75,7 @@ def read_sensor(text: str, source: str, name: str | None, assumptions: Assumptio
         Unknown, not to be read, wrong in itself, of another rate than the one assumed, or
         with a question unanswered.
     """
-    dialect = DIALECTS[name] if name is not None else recognise(text, source)
+    dialect = DIALECTS.find(name) if name is not None else recognise(text, source)
     if dialect.read is None:
         raise InputError(f"{dialect.name} is a way to write; read it with --from mcsim")
     reading = dialect.read(text, source, assumptions)
@@ -97,7 +109,7 @@ def write_sensor(sensor: Description, name: str, assumptions: Assumptions) -> st
     InputError
         The dialect cannot hold this sensor, or is not to be written.
     """
-    dialect = DIALECTS[name]
+    dialect = DIALECTS.find(name)
     if dialect.write is None:
         raise InputError(f"{dialect.name} is not written: its numbers do not say what they are")
     body = dialect.write(sensor, assumptions)

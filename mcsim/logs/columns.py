@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mcsim.errors import InputError, UnitError
-from mcsim.logs.csv_file import CsvFile, shown
+from mcsim.logs.column_file import ColumnFile, shown
 from mcsim.logs.date_times import EXAMPLE
 from mcsim.logs.model import ACCELEROMETER, GYROSCOPE, KIND, SHORT
 from mcsim.logs.names import CHANNELS, TIME, Meaning, Rank, channel_of, meaning_of
@@ -44,7 +44,7 @@ class Column:
     unit: str
 
 
-def assign(file: CsvFile, columns: str | None, units: str | None) -> list[Column]:
+def assign(file: ColumnFile, columns: str | None, units: str | None) -> list[Column]:
     """The columns of a file that hold time, accelerations or rates.
 
     ``columns`` names all of them in order (``time,accel_x,-,gyro_z``) or some by their title or
@@ -77,7 +77,7 @@ def unmatched_units(units: str | None, found: Sequence[Column]) -> list[str]:
     ]
 
 
-def said(file: CsvFile, found: Sequence[Column], also: Iterable[int] = ()) -> str:
+def said(file: ColumnFile, found: Sequence[Column], also: Iterable[int] = ()) -> str:
     """A sentence about which column is used as what, in which unit, and which are not.
 
     ``also`` are places of columns of text that are used.
@@ -93,7 +93,7 @@ def said(file: CsvFile, found: Sequence[Column], also: Iterable[int] = ()) -> st
     return f"columns: {used}; not used: {', '.join(others[:_NAMED])}{more}"
 
 
-def time_column(file: CsvFile) -> int | None:
+def time_column(file: ColumnFile) -> int | None:
     """Place of the time stamps: numbers before text, plain names first, then those with a unit.
 
     Raises
@@ -113,7 +113,7 @@ def time_column(file: CsvFile) -> int | None:
     return places[0] if places else None
 
 
-def _meanings(file: CsvFile) -> dict[int, Meaning]:
+def _meanings(file: ColumnFile) -> dict[int, Meaning]:
     """What the titles of columns that hold something say."""
     return {
         place: meaning
@@ -122,7 +122,7 @@ def _meanings(file: CsvFile) -> dict[int, Meaning]:
     }
 
 
-def _ask_units(file: CsvFile, names: Mapping[int, str], given: Mapping[int, str]) -> None:
+def _ask_units(file: ColumnFile, names: Mapping[int, str], given: Mapping[int, str]) -> None:
     """Refuse columns without a unit; the message has an option for all of them."""
     bare = [place for place in names if not (given.get(place) or file.unit(place))]
     if not bare:
@@ -149,7 +149,7 @@ def _element_of(name: str) -> str:
     return TIME if name == TIME else CHANNELS[name][0]
 
 
-def _column(file: CsvFile, place: int, name: str, given: str | None) -> Column:
+def _column(file: ColumnFile, place: int, name: str, given: str | None) -> Column:
     kind = _element_of(name)
     unit, title = given or file.unit(place), file.title(place)
     if given and place in file.layout.dates:
@@ -165,7 +165,7 @@ def _column(file: CsvFile, place: int, name: str, given: str | None) -> Column:
         ) from None
 
 
-def _recognised(file: CsvFile) -> dict[int, str]:
+def _recognised(file: ColumnFile) -> dict[int, str]:
     """Places and names of the columns that the header says to be a sensor's."""
     if file.titles is None:
         doubt = f" ({file.layout.doubt})" if file.layout.doubt else ""
@@ -182,7 +182,7 @@ def _recognised(file: CsvFile) -> dict[int, str]:
     return dict(sorted(named.items()))
 
 
-def _of_element(file: CsvFile, meanings: Mapping[int, Meaning], element: str) -> dict[int, str]:
+def _of_element(file: ColumnFile, meanings: Mapping[int, Meaning], element: str) -> dict[int, str]:
     """The columns of one sensor: those of the surest rank, if they are of one sensor."""
     of_element = {
         place: meaning
@@ -203,7 +203,7 @@ def _of_element(file: CsvFile, meanings: Mapping[int, Meaning], element: str) ->
 
 
 def _twice(
-    file: CsvFile, meanings: Mapping[int, Meaning], name: str, places: tuple[int, int]
+    file: ColumnFile, meanings: Mapping[int, Meaning], name: str, places: tuple[int, int]
 ) -> InputError:
     """Two columns are the same; a choice that works is shown: the first of each."""
     first: dict[str, int] = {}
@@ -220,7 +220,7 @@ def _twice(
     )
 
 
-def written_column(file: CsvFile, place: int) -> str:
+def written_column(file: ColumnFile, place: int) -> str:
     """A column as options take it: its name, or its number where that would not do."""
     titles = file.titles or ()
     name = titles[place].name
@@ -228,7 +228,7 @@ def written_column(file: CsvFile, place: int) -> str:
     return name if plain else f"column {place + 1}"
 
 
-def _stated(file: CsvFile, columns: str) -> dict[int, str]:
+def _stated(file: ColumnFile, columns: str) -> dict[int, str]:
     words = [word.strip() for word in next(csv.reader([columns], skipinitialspace=True), [])]
     where = str(file.path)
     named: dict[int, str] = {}
@@ -268,7 +268,7 @@ def _known(word: str, where: str) -> str:
     return name
 
 
-def _given_units(units: str | None, file: CsvFile, names: Mapping[int, str]) -> dict[int, str]:
+def _given_units(units: str | None, file: ColumnFile, names: Mapping[int, str]) -> dict[int, str]:
     if units is None:
         return {}
     where, count = file.path, file.count
@@ -298,7 +298,7 @@ def _is_meant(key: str, name: str) -> bool:
     return element is not None and key in (element, SHORT[element])
 
 
-def _nothing(file: CsvFile) -> InputError:
+def _nothing(file: ColumnFile) -> InputError:
     titles = file.titles
     held = ", ".join(f'"{shown(t.text)}"' for t in titles[:40]) if titles else ""
     example = f"--columns time,{','.join(CHANNELS)} (- skips a column)"

@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -19,22 +18,17 @@ from numpy.typing import NDArray
 from mcsim.errors import InputError
 from mcsim.files import likely_size, open_bytes, open_lines
 from mcsim.logs.cells import WRITTEN, Notation, holds_nothing, notation_of, number
-from mcsim.logs.date_times import DATE_AND_TIME, EXAMPLE, nanoseconds
-from mcsim.logs.layout import Layout, LayoutError, cells_of, find_layout, without_comments
-from mcsim.logs.titles import Title
+from mcsim.logs.column_file import ColumnFile, Numbers, shown
+from mcsim.logs.date_times import EXAMPLE, nanoseconds
+from mcsim.logs.layout import LayoutError, cells_of, find_layout, without_comments
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: Whole numbers stay whole.
-Numbers = NDArray[Any]
 
 #: Lines, and characters, that are looked at to find header and delimiter.
 _LOOKED_AT, _LONGEST_HEAD = 300, 1 << 20
 #: Rows that are read at a time, and the most of all: a day of 300 Hz.
 _CHUNK, _MOST_ROWS = 1 << 17, 30_000_000
-#: Characters of a cell, and of a title, that a message shows.
-_SHOWN = 40
 _TABLE = "table"
 _ENCODINGS = {
     "cp1252": "Windows-1252 (Latin-1)",
@@ -45,67 +39,11 @@ _ENCODINGS = {
 }
 
 
-@dataclass(frozen=True)
-class CsvFile:
+class CsvFile(ColumnFile):
     """Where the cells of a file are.
 
-    Empty lines and comments are passed over.  ``notes`` say what was done to read it; they are
-    complete when the numbers are read.
+    Empty lines and comments are passed over.
     """
-
-    path: Path
-    layout: Layout
-    notes: list[str] = field(default_factory=list)
-
-    @property
-    def count(self) -> int:
-        """Number of columns."""
-        return self.layout.count
-
-    @property
-    def titles(self) -> tuple[Title, ...] | None:
-        """Titles of the columns, in line ``header``; None without a header."""
-        return self.layout.titles
-
-    @property
-    def header(self) -> int:
-        """Line of the header (from 1); 0 without one."""
-        return self.layout.header
-
-    def title(self, place: int) -> str:
-        """What a column is called in messages."""
-        if self.titles is None or not self.titles[place].text:
-            return f"column {place + 1}"
-        return shown(self.titles[place].text)
-
-    def unit(self, place: int) -> str:
-        """What the file says that a column's unit is; '' if nothing."""
-        if place in self.layout.dates:
-            return DATE_AND_TIME
-        return self.titles[place].unit if self.titles else ""
-
-    def place_of(self, name: str) -> int | None:
-        """Place of the column with a title or name, or of ``column 3``; None if there is none.
-
-        Raises
-        ------
-        InputError
-            Two columns are called so.
-        """
-        titles = self.titles or ()
-        for of in ("text", "name"):
-            places = [i for i, title in enumerate(titles) if getattr(title, of) == name]
-            if len(places) > 1:
-                raise InputError(
-                    f'{self.path}: the column "{shown(name)}" occurs twice; name it '
-                    f"column {places[0] + 1} or column {places[1] + 1}"
-                )
-            if places:
-                return places[0]
-        word, _, digits = name.partition(" ")
-        if word == "column" and digits.isdecimal() and 1 <= int(digits) <= self.count:
-            return int(digits) - 1
-        return None
 
     def numbers(self, places: Iterable[int], unknown: bool = False) -> dict[int, Numbers]:
         """Columns (n,) by place; whole numbers stay whole, since nanoseconds do not fit floats.
@@ -349,38 +287,6 @@ def open_csv(path: Path) -> CsvFile:
         raise InputError(f"{path}: {error}") from None
     notes = [] if encoding == "utf-8" else [f"the text is no UTF-8: read as {_ENCODINGS[encoding]}"]
     return CsvFile(path, layout, notes)
-
-
-def since_first(stamps: Numbers) -> NDArray[np.float64]:
-    """Differences to the first of whole or real numbers (n,), exact where they are whole.
-
-    Whole nanoseconds since 1970 do not fit into floats: the first one goes before.
-    """
-    if stamps.dtype.kind == "i" and abs(float(stamps.max()) - float(stamps.min())) < 2.0**62:
-        return np.asarray(stamps - stamps[0], float)
-    return np.asarray(stamps, float) - float(stamps[0])
-
-
-def scaled(values: NDArray[np.float64], factor: float, path: Path, title: str) -> Any:
-    """Values (n,) in SI units.
-
-    Raises
-    ------
-    InputError
-        A value is beyond what a float holds.
-    """
-    with np.errstate(over="ignore"):
-        result = values * factor
-    if not np.all(np.isfinite(result)):
-        largest = float(np.abs(values).max())
-        raise InputError(f'{path}: column "{title}" reaches {largest:.3g}, beyond any use')
-    return result
-
-
-def shown(text: str) -> str:
-    """A title or a cell as messages show it: short, and without control characters."""
-    plain = "".join(c if c.isprintable() else "?" for c in text.strip())
-    return plain if len(plain) <= _SHOWN else plain[: _SHOWN - 1] + "…"
 
 
 def _too_many(path: Path) -> InputError:

@@ -8,19 +8,18 @@ from pathlib import Path
 import numpy as np
 
 from mcsim.errors import InputError
-from mcsim.logs import bags
 from mcsim.logs.checks import check_gravity
 from mcsim.logs.clock import Clock, mend_clock
-from mcsim.logs.columns import CHANNELS, TIME
-from mcsim.logs.folders import is_bag, read_folder
+from mcsim.logs.formats import read_table
 from mcsim.logs.model import ACCELEROMETER, KIND, Array, Channel, Log, ReadOptions
-from mcsim.logs.table import Table, read_table
+from mcsim.logs.names import CHANNELS, TIME
+from mcsim.logs.table import Table
 from mcsim.logs.timing import HIGHEST_RATE, LOWEST_RATE, Spacing, check_stamps, unstamped
 from mcsim.units import KINDS
 
 
 def read_log(path: Path, options: ReadOptions | None = None) -> Log:
-    """Read a static log: CSV, EuRoC, TUM-VI, gnss-ins-sim, ROS bag or MCAP.
+    """Read a static log of any format that ``LOG_FORMATS`` lists.
 
     Raises
     ------
@@ -35,15 +34,7 @@ def read_log(path: Path, options: ReadOptions | None = None) -> Log:
             f"--rate {options.rate:g} Hz: must lie between {LOWEST_RATE:g} Hz and "
             f"{HIGHEST_RATE:g} Hz"
         )
-    return _log_of(path, _read(path, options), options)
-
-
-def _read(path: Path, options: ReadOptions) -> Table:
-    if path.suffix.lower() in bags.ENDINGS or (path.is_dir() and is_bag(path)):
-        return bags.read_bag(path, options)
-    if path.is_dir():
-        return read_folder(path, options.columns, options.units)
-    return read_table(path, options.columns, options.units)
+    return _log_of(path, read_table(path, options), options)
 
 
 def _log_of(path: Path, table: Table, options: ReadOptions) -> Log:

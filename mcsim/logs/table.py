@@ -1,4 +1,4 @@
-"""Tables of a log: the columns of a CSV file that hold time, accelerations or rates."""
+"""Tables of a log: the columns of a file that hold time, accelerations or rates."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mcsim.errors import InputError, UnitError
+from mcsim.logs.column_file import ColumnFile, scaled, since_first
 from mcsim.logs.columns import assign, said, unmatched_units
-from mcsim.logs.csv_file import open_csv, scaled, since_first
+from mcsim.logs.csv_file import open_csv
 from mcsim.logs.model import Array
 from mcsim.logs.names import CHANNELS, TIME
 from mcsim.logs.titles import factor_of, shown_unit
@@ -27,18 +28,17 @@ class Table:
     units: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
 
-def read_table(path: Path, columns: str | None, units: str | None) -> Table:
-    """Read the columns of a CSV file that hold time, accelerations or rates.
+def table_of(file: ColumnFile, columns: str | None, units: str | None) -> Table:
+    """The columns of a file that hold time, accelerations or rates.
 
     Raises
     ------
     InputError
-        The file cannot be read, is empty, a cell is no finite number, or a stated unit is of no
-        column.
+        Nothing is recognised, a cell is no finite number, or a stated unit is of no column.
     """
-    table, unmatched = read_part(path, columns, units)
+    table, unmatched = read_part(file, columns, units)
     if unmatched:
-        raise InputError(f"{path}: {not_used(unmatched)} ({table.notes[0]})")
+        raise InputError(f"{file.path}: {not_used(unmatched)} ({table.notes[0]})")
     return table
 
 
@@ -47,22 +47,21 @@ def not_used(unmatched: Sequence[str]) -> str:
     return f"--units {','.join(unmatched)}: no column is one; leave it out, or name it by --columns"
 
 
-def read_part(path: Path, columns: str | None, units: str | None) -> tuple[Table, list[str]]:
-    """As ``read_table``, of a file that may lack columns; with the units that are of none.
+def read_part(file: ColumnFile, columns: str | None, units: str | None) -> tuple[Table, list[str]]:
+    """As ``table_of``, of a file that may lack columns; with the units that are of none.
 
     Raises
     ------
     InputError
-        As for ``read_table``.
+        As for ``table_of``.
     """
-    file = open_csv(path)
     wanted = assign(file, columns, units)
     numbers = file.numbers([column.place for column in wanted])
     values = {}
     for column in wanted:
         cells = numbers[column.place]
         plain = since_first(cells) if column.name == TIME else cells.astype(float)
-        values[column.name] = scaled(plain, column.factor, path, column.title)
+        values[column.name] = scaled(plain, column.factor, file.path, column.title)
     stated = {CHANNELS[c.name][0]: (shown_unit(c.unit), c.factor) for c in wanted if c.name != TIME}
     table = Table(values, (said(file, wanted), *file.notes), stated)
     return table, unmatched_units(units, wanted)
@@ -74,7 +73,7 @@ def read_time(path: Path) -> Array:
     Raises
     ------
     InputError
-        As for ``read_table``.
+        As for ``table_of``.
     """
     file = open_csv(path)
     if file.count != 1:

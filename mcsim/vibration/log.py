@@ -1,4 +1,4 @@
-"""Logs of a vibration: channels of one kind on an even grid of time, from CSV files."""
+"""Logs of a vibration: channels of one kind on an even grid of time, from files of any format."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from mcsim.errors import InputError, UnitError
 from mcsim.logs.clock import Clock, mend_clock
+from mcsim.logs.column_file import ColumnFile, scaled, since_first
 from mcsim.logs.columns import Column, said, time_column, written_column
-from mcsim.logs.csv_file import CsvFile, open_csv, scaled, since_first
+from mcsim.logs.formats import open_log
+from mcsim.logs.model import ReadOptions
 from mcsim.logs.names import is_acceleration
 from mcsim.logs.timing import check_rate, judge, no_times, unusable
 from mcsim.logs.titles import Title, factor_of, kind_of
@@ -63,8 +65,9 @@ def read_vibration_log(
     channels: tuple[str, ...] = (),
     time: str | None = None,
     cut: tuple[float | None, float | None] = (None, None),
+    topic: str | None = None,
 ) -> Log:
-    """The channels of ``kind`` in a CSV file whose header reads ``time [s],az [m/s²]``.
+    """The channels of ``kind`` in a log whose columns are titled ``time [s],az [m/s²]``.
 
     Parameters
     ----------
@@ -83,6 +86,8 @@ def read_vibration_log(
         Column of the time stamps as ``NAME in UNIT``; the one whose name says so if absent.
     cut : (float or None, float or None)
         Start and end of what is read (s from the first row); None: from the first, to the last.
+    topic : str, optional
+        Topic of the IMU in a bag.
 
     Raises
     ------
@@ -90,7 +95,7 @@ def read_vibration_log(
         No such file or column, no unit, no time, gaps, cells that are no numbers, a channel
         that is constant or beyond use, or stamps that contradict the rate.
     """
-    file = open_csv(path)
+    file = open_log(path, ReadOptions(topic=topic))
     stamps = _stamps(file, time)
     chosen = _choose(file, kind, unit, channels, stamps)
     cells = file.numbers([*chosen, *([stamps.place] if stamps else [])])
@@ -115,7 +120,7 @@ def read_vibration_log(
     else:
         start, end = (None if at is None else round(at * rate) for at in cut)
         log = Log(_name(path), names, values[start:end], rate)
-    return replace(log, remarks=(said(file, columns), *file.notes))
+    return replace(log, name=_name(path), remarks=(said(file, columns), *file.notes))
 
 
 def _name(path: Path) -> str:
@@ -123,7 +128,7 @@ def _name(path: Path) -> str:
     return path.name.removesuffix(path.suffix).removesuffix(".csv")
 
 
-def _stamps(file: CsvFile, given: str | None) -> Column | None:
+def _stamps(file: ColumnFile, given: str | None) -> Column | None:
     """The column of the time stamps; its unit is stated, never taken for granted."""
     stated = ""
     if given is not None:
@@ -148,7 +153,7 @@ def _stamps(file: CsvFile, given: str | None) -> Column | None:
 
 
 def _choose(
-    file: CsvFile,
+    file: ColumnFile,
     kind: str,
     unit: str | None,
     channels: tuple[str, ...],
@@ -199,18 +204,18 @@ def _fits(unit: str, kind: str, stated: bool) -> bool:
     return unit != "" and (not stated or (found is not None and found.name == kind))
 
 
-def _place(file: CsvFile, channel: str) -> int:
+def _place(file: ColumnFile, channel: str) -> int:
     place = file.place_of(channel)
     if place is None:
         raise InputError(f'{file.path}: no column "{channel}" (it has {_held(file)})')
     return place
 
 
-def _held(file: CsvFile) -> str:
+def _held(file: ColumnFile) -> str:
     return ", ".join(written_column(file, place) for place in range(file.count))
 
 
-def _factor(file: CsvFile, place: int, unit: str, kind: str) -> float:
+def _factor(file: ColumnFile, place: int, unit: str, kind: str) -> float:
     try:
         return factor_of(unit, KINDS[kind])
     except UnitError as error:
@@ -235,7 +240,7 @@ def _refuse_dead(path: Path, names: tuple[str, ...], values: Array, kind: Kind) 
 
 
 def _evenly(
-    file: CsvFile,
+    file: ColumnFile,
     names: tuple[str, ...],
     stamps: Array,
     values: Array,
@@ -277,7 +282,7 @@ def _evenly(
     return Log(_name(path), names, values, found.rate, (*clock.notes, note))
 
 
-def _refuse_holes(file: CsvFile, clock: Clock) -> None:
+def _refuse_holes(file: ColumnFile, clock: Clock) -> None:
     holes = [(place, size) for place, size in clock.jumps if size >= _LONGEST_GAP]
     if not holes:
         return

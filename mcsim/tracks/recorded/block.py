@@ -67,11 +67,11 @@ class Columns(Block):
 
 
 class Recorded(TrackBlock):
-    """A recorded drive from a CSV file, smoothed into a consistent truth."""
+    """A recorded drive from a file, smoothed into a consistent truth."""
 
     shape: Literal["recorded"]
     file: str
-    """CSV file, relative to the scenario file."""
+    """File of the drive, CSV or another format of logs, relative to the scenario file."""
     columns: Columns
     """Which column holds what, in which unit."""
     angles: Literal["compass", "mathematical"] = "compass"

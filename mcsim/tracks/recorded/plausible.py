@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError
+from mcsim.logs.column_file import ColumnFile, Numbers
 from mcsim.logs.columns import Column
-from mcsim.logs.csv_file import CsvFile, Numbers
 from mcsim.trajectory.curves import Array
 
 #: Changes (SI) from one row to the next that no vehicle makes: 50 m/s, some ten kilometres.
@@ -21,7 +21,9 @@ _TURN = 2.0 * np.pi
 _MINUTE, _LEFT_OUT = 60.0, 40.0
 
 
-def refuse_jumps(file: CsvFile, role: str, column: Column, values: Array, cells: Numbers) -> None:
+def refuse_jumps(
+    file: ColumnFile, role: str, column: Column, values: Array, cells: Numbers
+) -> None:
     """Refuse values (n,) of a role in SI units, nan where unknown, that leave and come back.
 
     Raises
@@ -64,7 +66,7 @@ def _beside(jumps: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return rows
 
 
-def refuse_digits_of_a_clock(file: CsvFile, column: Column, cells: Array) -> None:
+def refuse_digits_of_a_clock(file: ColumnFile, column: Column, cells: Array) -> None:
     """Refuse time stamps (n,) as written that are hhmmss, such as NMEA's.
 
     Raises

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from mcsim.errors import InputError, UnitError
 from mcsim.logs.clock import mend_clock
+from mcsim.logs.column_file import ColumnFile, Numbers, shown, since_first
 from mcsim.logs.columns import Column, said, written_column
-from mcsim.logs.csv_file import CsvFile, Numbers, open_csv, shown, since_first
+from mcsim.logs.formats import open_log
 from mcsim.logs.timing import unusable
 from mcsim.logs.titles import factor_of, kind_of
 from mcsim.tracks.recorded.block import Columns
@@ -85,7 +86,7 @@ def read_record(
     nose_up: bool = False,
     unknown: float | None = None,
 ) -> Record:
-    """Read and convert the columns of a CSV file.
+    """Read and convert the columns of a log.
 
     ``unknown`` stands, as written in the file, for a value that is not known; so does an empty
     cell, and a speed or course of -1 where no other is negative.  Such values are nan.
@@ -95,7 +96,7 @@ def read_record(
     InputError
         The file cannot be read, lacks a column, holds text, runs backwards, or is too short.
     """
-    file = open_csv(path)
+    file = open_log(path)
     specs = {role: spec for role, spec in columns.model_dump().items() if spec is not None}
     chosen = {role: _column(file, role, spec) for role, spec in specs.items()}
     cells = file.numbers([column.place for column in chosen.values()], unknown=True)
@@ -129,7 +130,7 @@ def read_record(
     )
 
 
-def _column(file: CsvFile, role: str, spec: str) -> Column:
+def _column(file: ColumnFile, role: str, spec: str) -> Column:
     """The column of a role, its unit from the scenario or from the header."""
     name, separator, unit = spec.rpartition(" in ")
     name = name.strip() if separator else spec.strip()
@@ -163,7 +164,7 @@ def _column(file: CsvFile, role: str, spec: str) -> Column:
 
 
 def _values(
-    file: CsvFile, role: str, column: Column, cells: Numbers, unknown: float | None
+    file: ColumnFile, role: str, column: Column, cells: Numbers, unknown: float | None
 ) -> tuple[Array, str]:
     """Values (n,) of a role in SI units, nan where they are unknown, and what to say of those."""
     held = since_first(cells) if role == "time" else np.asarray(cells, float)
@@ -243,7 +244,7 @@ def known_rows(path: Path, record: Record) -> tuple[Record, tuple[str, ...]]:
 
 
 def _in_order(
-    file: CsvFile, time: Array, values: dict[str, Array]
+    file: ColumnFile, time: Array, values: dict[str, Array]
 ) -> tuple[Array, dict[str, Array], list[str]]:
     """Rows in the order of their time stamps, and what was mended; the time keeps varying.
 

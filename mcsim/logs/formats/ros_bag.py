@@ -10,11 +10,15 @@ from typing import Any
 import numpy as np
 
 from mcsim.errors import InputError
-from mcsim.logs.columns import CHANNELS, TIME
+from mcsim.logs.column_file import ColumnFile
+from mcsim.logs.formats.log_format import LogFormat
+from mcsim.logs.held_columns import columns_of_table
 from mcsim.logs.model import ACCELEROMETER, GYROSCOPE, SHORT, Array, ReadOptions
+from mcsim.logs.names import CHANNELS, TIME
 from mcsim.logs.table import Table
 
-ENDINGS = (".bag", ".mcap", ".db3")
+_ENDINGS = (".bag", ".mcap", ".db3")
+_METADATA = "metadata.yaml"
 _MESSAGE = "sensor_msgs/msg/Imu"
 _ORDER = tuple(CHANNELS)
 #: Units that the message type prescribes.
@@ -39,7 +43,23 @@ class _Messages:
         return [e for e, span in zip((ACCELEROMETER, GYROSCOPE), spans, strict=True) if span.any()]
 
 
-def read_bag(path: Path, options: ReadOptions) -> Table:
+def recognises(path: Path) -> bool:
+    """By its ending; a folder by its metadata."""
+    return path.suffix.lower() in _ENDINGS or (path / _METADATA).is_file()
+
+
+def columns(path: Path, options: ReadOptions) -> ColumnFile:
+    """The messages of the topic as columns in SI units.
+
+    Raises
+    ------
+    InputError
+        As ``table``.
+    """
+    return columns_of_table(path, table(path, options))
+
+
+def table(path: Path, options: ReadOptions) -> Table:
     """Read the messages sensor_msgs/Imu of one topic, or of an accelerometer's and a gyroscope's.
 
     Their units are SI.  ``options.topic`` names a topic, or two with a comma between;
@@ -231,3 +251,14 @@ def _joined(
         notes.append(f"{abs(counts[0] - counts[1])} messages at the end have no partner: left out")
     notes.append(f"{SHORT[ACCELEROMETER]} from {accel.topic}, {SHORT[GYROSCOPE]} from {gyro.topic}")
     return dict(zip(_ORDER, values.T.copy(), strict=True)), stamps[:n], notes
+
+
+FORMAT = LogFormat(
+    "ros-bag",
+    "ROS bag or MCAP file",
+    recognises,
+    columns,
+    table,
+    endings=_ENDINGS,
+    folder=f"{_METADATA} (ROS 2 bag)",
+)
