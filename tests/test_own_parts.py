@@ -66,6 +66,7 @@ def test_a_winding_road_is_as_long_as_its_closed_form():
     assert truth.across.max() == pytest.approx(4.0, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_track_and_a_statistic_run_from_a_scenario_to_table_and_picture(tmp_path):
     few = ["--realizations", "500", "--set", "trajectory.wavelength=30 m"]
     out = ["--output", str(tmp_path), "--quiet", *few]
@@ -81,6 +82,7 @@ def test_a_track_and_a_statistic_run_from_a_scenario_to_table_and_picture(tmp_pa
     assert "winding" in str(mcsim.schema())
 
 
+@pytest.mark.slow
 def test_an_excitation_runs_from_a_scenario_to_table_and_picture(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("own.py").write_text(KNOCK, encoding="utf-8")

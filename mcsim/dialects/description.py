@@ -143,7 +143,20 @@ def _flat(block: AccelerometerErrors | GyroscopeErrors) -> dict[str, Values]:
 
 
 def two_sided(quantities: Quantities, element: str) -> Values | None:
-    """White noise as Allan's N, in whichever convention it was given."""
+    """White noise as Allan's N, in whichever convention it was given.
+
+    Parameters
+    ----------
+    quantities : mapping
+        Of an element, by key; SI, a value or three.
+    element : str
+        ``accelerometer`` or ``gyroscope``.
+
+    Returns
+    -------
+    tuple of float or None
+        m/s²/√Hz or rad/s/√Hz; None without white noise.
+    """
     walk = quantities.get(RANDOM_WALK[element])
     density = quantities.get("noise_density")
     if walk is None and density is not None:

@@ -112,7 +112,20 @@ def refuse_unknown(name: str, known: Collection[str], place: str) -> None:
 
 
 def without_words(sensor: Description, carried: Sequence[str], comment: str = "#") -> list[str]:
-    """A comment line per element that has quantities which the target cannot hold."""
+    """A comment line per element that has quantities which the target cannot hold.
+
+    Parameters
+    ----------
+    sensor : Description
+    carried : sequence of str
+        Keys that the target holds.
+    comment : str
+        What begins a comment line there.
+
+    Returns
+    -------
+    list of str
+    """
     lines = []
     for element, quantities in sensor.elements.items():
         missing = left_out(quantities, set(carried))

@@ -183,9 +183,11 @@ def simulate(
                                 system, way, at, row, signals, white, normals, rows, measured
                             )
                         else:
+                            # Rows count from slices: LLVM then knows that none is negative.
                             measure(
-                                at, n_channels, row, normals, NORMALS + row, normals, signals,
-                                offsets, terms, scratch, measured,
+                                at, n_channels, 0, normals[row * LANES :], 0,
+                                normals[(NORMALS + row) * LANES :], signals, offsets, terms,
+                                scratch, measured,
                             )  # fmt: skip
                             read_bare(system, width, row, normals, measured)
                             advance(system, way, measured, rows)

@@ -22,9 +22,17 @@ _SUMMARY = 0.95
 _ORDINALS = {1: "st", 2: "nd", 3: "rd"}
 
 
-@lru_cache
 def percentile(p: float) -> Statistic:
     """The p-quantile as a statistic: ``percentile(0.975)`` is ``p97.5``.
+
+    Parameters
+    ----------
+    p : float
+        Between 0 and 1.
+
+    Returns
+    -------
+    Statistic
 
     Raises
     ------
@@ -33,6 +41,12 @@ def percentile(p: float) -> Statistic:
     """
     if not 0.0 < p < 1.0:
         raise InputError(f"percentile({p:g}): a share between 0 and 1 is needed, such as 0.95")
+    return _made(p)
+
+
+@lru_cache
+def _made(p: float) -> Statistic:
+    """One object for each p: statistics are compared."""
 
     def value(errors: Array) -> Array:
         return np.asarray(np.quantile(errors, p, axis=-1), float)
