@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mcsim.engine import PointResult, point_key
 from mcsim.estimation import LOOKED_AT, takes_nets
 from mcsim.memory import HISTORY_REALIZATIONS, history_realizations
-from mcsim.scenario import UNITS
+from mcsim.scenario.error_quantities import UNITS
 from mcsim.scenario_file import Point, Scenario
 from mcsim.simulation.problem import History
 from mcsim.statistics.collector import cell_size

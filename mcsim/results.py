@@ -14,7 +14,8 @@ from mcsim.errors import InputError
 from mcsim.memory import check_memory
 from mcsim.over_time import TIME, over_time
 from mcsim.provenance import reproducible, time_and_machine
-from mcsim.scenario import UNITS, CaseScenario, ErrorRow
+from mcsim.scenario.case import CaseScenario
+from mcsim.scenario.error_quantities import UNITS, ErrorRow
 from mcsim.scenario_file import Point, Scenario
 from mcsim.scenario_file.effect import without_effect
 from mcsim.statistics import METHOD

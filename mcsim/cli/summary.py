@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from mcsim.results import Results, at_the_end, summarised
-from mcsim.scenario import UNITS
+from mcsim.scenario.error_quantities import UNITS
 from mcsim.statistics import METHOD
 from mcsim.text_table import columns
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from pydantic import BaseModel
 
 from mcsim.errors import InputError
-from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors
-from mcsim.scenario.sensor_file import SensorFile
 from mcsim.units import Kind, parse
+
+if TYPE_CHECKING:
+    from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors
+    from mcsim.scenario.sensor_file import SensorFile
 
 Values = tuple[float, ...]
 Quantities = Mapping[str, Values]

@@ -21,8 +21,6 @@ from mcsim.dialects.dialect import Dialect
 from mcsim.dialects.numbers import number
 from mcsim.dialects.terms import kind_of
 from mcsim.scenario.document import SENSOR, parse_document
-from mcsim.scenario.sensor_file import SensorFile, parse_sensor_file
-from mcsim.scenario.validation import validate
 from mcsim.units import KINDS, factor, parse
 
 CONVENTION = (
@@ -63,6 +61,9 @@ def read(text: str, source: str, assumptions: Assumptions) -> Reading:
     InputError
         Not a valid sensor file; one line per problem.
     """
+    from mcsim.scenario.sensor_file import SensorFile, parse_sensor_file
+    from mcsim.scenario.validation import validate
+
     sensor = describe_file(validate(parse_sensor_file(text, source), SensorFile))
     if sensor.rate is not None:
         return Reading(sensor)

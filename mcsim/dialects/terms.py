@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mcsim.sensor_terms import find_key
 from mcsim.units import KINDS, factor
 
 #: Keys of white noise as Allan's N.
@@ -13,6 +12,8 @@ WHITE = ("velocity_random_walk", "angle_random_walk")
 
 def kind_of(key: str, element: str) -> str:
     """Name of the kind of quantity behind a key."""
+    from mcsim.sensor_terms import find_key
+
     return find_key(key, element).kind_for(element)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcsim.scenario import Axis, Value
+from mcsim.scenario.axes import Axis, Value
 from mcsim.scenario.error_quantities import ERROR_QUANTITIES, SIGNS
 from mcsim.statistics import Statistic
 

@@ -22,7 +22,7 @@ from mcsim.figures.style import (
     spans_decades,
 )
 from mcsim.results import Results, at_the_end, in_unit_of_tables
-from mcsim.scenario import Axis, Value
+from mcsim.scenario.axes import Axis, Value
 from mcsim.scenario.error_quantities import SIGNS, UNITS
 from mcsim.scenario.figure import Figure as FigureModel
 from mcsim.scenario.figure import Panel
