@@ -120,6 +120,7 @@ def test_moments_of_normals(normals):
         assert abs(np.mean(z**order) - expected) < 5 * standard_error, order
 
 
+@pytest.mark.slow
 def test_pairs_are_independent(normals):
     """Products, and products of squares, of the two normals of a pair and of neighbours."""
     x, y = normals

@@ -159,6 +159,7 @@ NORMAL_MAD = float(stats.norm.ppf(0.75))
 FOLDED = float(np.sqrt(2.0 / np.pi))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [100, 400])
 @pytest.mark.parametrize(
     ("statistic", "truth", "shape"),
@@ -184,6 +185,7 @@ def test_coverage_control_must_fail():
     assert found < stats.binom.ppf(1e-5, TRIALS, level - 0.02)
 
 
+@pytest.mark.slow
 def test_many_realizations_are_resampled_in_cells_and_give_the_width_of_single_ones():
     """From 2,048 to 32,768 realizations widths fall by four."""
     rng = np.random.default_rng(6)
