@@ -186,7 +186,7 @@ class OwnReckoning(Reckoning):
         errors = states - self.truth[:, :, None]
         for name in self.description.wrapping:
             errors[fields.index(name)] = wrap(errors[fields.index(name)])
-        for name in self.missing:
+        for name in self.missing.keys() & set(fields):
             errors[fields.index(name), -1] = np.nan
         lengths = [
             length_of(errors[[fields.index(name) for name in of]])
