@@ -109,8 +109,8 @@ def step_budget(model: VelocityScenario) -> Budget:
         ("acx,0", rest_x.estimate, rest_x.uncertainty, "(19)", by_x),
         ("acz,0", rest_z.estimate, rest_z.uncertainty, "(19)", by_z),
     ]
-    g, interval = model.gravity, point.interval or 1.0 / model.sensor.rate
-    slopes_of_step = step_sensitivities(corrected["x"], corrected["z"], theta, g.estimate, interval)
+    g, interval = model.gravity.local_gravity, point.interval or 1.0 / model.sensor.rate
+    slopes_of_step = step_sensitivities(corrected["x"], corrected["z"], theta, g, interval)
     quantities += [
         (name, value, u, "(24)", float(slope))
         for (name, value, u), slope in zip(
@@ -118,7 +118,7 @@ def step_budget(model: VelocityScenario) -> Budget:
                 ("acx", corrected["x"], combined["x"]),
                 ("acz", corrected["z"], combined["z"]),
                 ("θ", theta, u_theta),
-                ("g", g.estimate, g.uncertainty),
+                ("g", g, model.gravity.uncertainty),
                 ("Δt", interval, model.sensor.time_error),
             ),
             slopes_of_step,
@@ -135,6 +135,6 @@ def step_budget(model: VelocityScenario) -> Budget:
             "acx": corrected["x"],
             "acz": corrected["z"],
             "theta": theta,
-            "Dv": (corrected["x"] - corrected["z"] * theta) * g.estimate * interval,
+            "Dv": (corrected["x"] - corrected["z"] * theta) * g * interval,
         },
     )

@@ -132,7 +132,7 @@ def _summed(model: VelocityScenario, problem: VelocityProblem) -> tuple[dict[str
     theta = np.arctan(x.value(rest) / z.value(rest))
     acx, acz = x.value(problem.raw), z.value(problem.raw)
     by_x, by_z, by_theta, by_g, by_interval = step_sensitivities(
-        acx, acz, theta, g.estimate, interval
+        acx, acz, theta, g.local_gravity, interval
     )
     of_x, of_z = x.variances(problem.raw, noise), z.variances(problem.raw, noise)
     of_rest_x, of_rest_z = x.variances(rest, noise), z.variances(rest, noise)

@@ -21,6 +21,7 @@ from mcsim.scenario.fields import (
     reject,
 )
 from mcsim.scenario.initial import Initial
+from mcsim.scenario.place import Place
 from mcsim.scenario.rules import Rules
 from mcsim.scenario.sensors import Sensors
 from mcsim.tracks import Trajectory
@@ -48,11 +49,13 @@ class Response(Block):
         return self
 
 
-class Body(Block):
+class Body(Place):
     """Attitude of the vehicle's body: the road's plane, and how the body leans in it.
 
     Roll is positive with the left side up, pitch with the nose down (ISO 8855).
     """
+
+    VALUE: ClassVar[str] = "gravity"
 
     bank: Annotated[Angle, Ge(-_STEEPEST), Le(_STEEPEST)] = 0.0
     """Slope of the road's plane across its initial direction, left side up positive."""

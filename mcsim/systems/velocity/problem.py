@@ -97,7 +97,7 @@ class VelocityProblem:
             raw=raw,
             truth=motion.velocity,
             inputs=np.array(
-                [*(q.estimate for q in numbers), *rest_output(model), 0.0, gravity.estimate]
+                [*(q.estimate for q in numbers), *rest_output(model), 0.0, gravity.local_gravity]
             ),
             uncertainties=np.array(
                 [

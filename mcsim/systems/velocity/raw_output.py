@@ -28,7 +28,7 @@ def raw_noise(model: VelocityScenario) -> Array:
     if sensor.noise is not None:
         return np.array([sensor.noise.x, sensor.noise.y, sensor.noise.z])
     errors = element_errors({ACCELEROMETER: sensor.terms}, sensor.rate, AXES, 0.0)
-    return errors.white / model.gravity.estimate
+    return errors.white / model.gravity.local_gravity
 
 
 def raw_errors(model: VelocityScenario) -> ChannelErrors:
@@ -45,7 +45,7 @@ def raw_errors(model: VelocityScenario) -> ChannelErrors:
         AXES,
         run.rest + model.runs * run.duration,
     )
-    errors = scaled(errors, np.full(len(AXES), 1.0 / model.gravity.estimate))
+    errors = scaled(errors, np.full(len(AXES), 1.0 / model.gravity.local_gravity))
     return replace(
         errors,
         white=raw_noise(model),

@@ -41,7 +41,7 @@ def run_samples(
 
 
 def _wide_samples(model: VelocityScenario, times: Array) -> Array:
-    run, gravity = model.trajectory, model.gravity.estimate
+    run, gravity = model.trajectory, model.gravity.local_gravity
     if model.sensor.sampling == "none":
         return raw_output(run_motion(run, times[:-1] + _JUST_BESIDE), model.calibration, gravity)
     motion, weights = within_intervals(run, times)
@@ -65,7 +65,7 @@ def _dense_output(model: VelocityScenario, times: Array) -> Array:
     inside[:, 0] += _JUST_BESIDE
     inside[:, -1] -= _JUST_BESIDE
     motion = run_motion(model.trajectory, inside.ravel())
-    output = raw_output(motion, model.calibration, model.gravity.estimate)
+    output = raw_output(motion, model.calibration, model.gravity.local_gravity)
     return output.reshape(len(inside), -1, 3)
 
 
@@ -87,7 +87,7 @@ def rest_output(model: VelocityScenario) -> Array:
     """Undisturbed raw output (3,) at rest."""
     still = np.zeros(1)
     at_rest = RunMotion(still, still, still, np.full(1, model.trajectory.mounting_angle))
-    (rest,) = raw_output(at_rest, model.calibration, model.gravity.estimate)
+    (rest,) = raw_output(at_rest, model.calibration, model.gravity.local_gravity)
     return np.asarray(rest, float)
 
 

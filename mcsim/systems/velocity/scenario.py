@@ -25,6 +25,7 @@ from mcsim.scenario.fields import (
     reject,
 )
 from mcsim.scenario.named_sensor import ReckoningAccelerometer
+from mcsim.scenario.place import Place
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
 
 #: Rows of the source's budget tables.
@@ -169,8 +170,10 @@ class Bias(Block):
     uncertainty: Annotated[SensorOutput, NotNegative, Le(_LARGEST_BIAS)] = 0.0
 
 
-class Gravity(Block):
+class Gravity(Place):
     """Acceleration of gravity where the sensor was calibrated."""
+
+    VALUE: ClassVar[str] = "estimate"
 
     estimate: Annotated[Acceleration, Ge(_GRAVITY[0]), Le(_GRAVITY[1])] = 9.80665
     uncertainty: Annotated[Acceleration, NotNegative, Le(_GRAVITY[1])] = 0.0
