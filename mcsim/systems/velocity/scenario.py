@@ -42,7 +42,7 @@ _LARGEST_ANGLE, _HIGHEST = 1.5, 100.0
 _SHAKEN = (1e-3, 1e6)
 
 
-class Body(Block):
+class PitchingBody(Block):
     """How the vehicle's body pitches while it drives and brakes; nobody measures it."""
 
     pitch: Response = Response()
@@ -52,7 +52,7 @@ class Body(Block):
     the nose rises, is measured, and is an error against the velocity of the wheels."""
 
     @model_validator(mode="after")
-    def _swings_smoothly(self) -> Body:
+    def _swings_smoothly(self) -> PitchingBody:
         if self.height != 0.0 and self.pitch.gradient and self.pitch.natural_frequency == 0.0:
             raise reject(
                 "a body that follows at once swings a sensor at a `height` by jerks; give "
@@ -246,7 +246,7 @@ class VelocityScenario(CaseScenario):
 
     case: Literal["velocity"]
     trajectory: StraightRun
-    body: Body = Body()
+    body: PitchingBody = PitchingBody()
     sensor: RawAccelerometer
     calibration: Calibration
     gravity: Gravity = Gravity()

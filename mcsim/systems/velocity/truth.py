@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.systems.velocity.profiles import Profile, RunBlock, profile_of
-from mcsim.systems.velocity.scenario import Body, VelocityScenario
+from mcsim.systems.velocity.scenario import PitchingBody, VelocityScenario
 from mcsim.trajectory.lean import Lean, leaning, refuse_long
 
 Array = NDArray[np.float64]
@@ -106,7 +106,7 @@ def true_run(model: VelocityScenario, folder: Path) -> TrueRun:
 
 
 @lru_cache(maxsize=64)
-def _run(run: RunBlock, body: Body, folder: Path) -> TrueRun:
+def _run(run: RunBlock, body: PitchingBody, folder: Path) -> TrueRun:
     profile = profile_of(run, folder)
     pitch = body.pitch
     if pitch.gradient == 0.0:
