@@ -21,6 +21,7 @@ from mcsim.scenario_file.effect import without_effect
 from mcsim.statistics import METHOD
 from mcsim.statistics.history import history_statistics
 from mcsim.sweep import SweepResult, check_points, describe_point
+from mcsim.systems import notes_of
 from mcsim.tracks import drive_notes
 from mcsim.units import degrees
 from mcsim.version import __version__
@@ -99,7 +100,8 @@ def check(scenario: Scenario) -> None:
 def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
     """Turn the points' results into tables."""
     first = getattr(scenario.points[0].model, "trajectory", None)
-    remarks = [*drive_notes(first, scenario.folder), *_remarks(scenario, sweep)]
+    told = notes_of(scenario.points[0].model, scenario.folder)
+    remarks = [*drive_notes(first, scenario.folder), *told, *_remarks(scenario, sweep)]
     history, tracks = over_time(scenario, sweep)
     return Results(
         scenario=scenario,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,15 +77,19 @@ class Course:
         return self.total**2 - np.sum([u**2 for u in self.simulated.values()], axis=0)
 
 
-def course_of_uncertainty(model: VelocityScenario, groups: int = GROUPS) -> Course:
+def course_of_uncertainty(
+    model: VelocityScenario, groups: int = GROUPS, folder: Path = Path()
+) -> Course:
     """Propagate the scenario's uncertainties over its run, in both ways.
+
+    ``folder`` is where recorded files lie.
 
     Raises
     ------
     InputError
         The run cannot be sampled.
     """
-    problem = VelocityProblem.from_model(model)
+    problem = VelocityProblem.from_model(model, folder)
     key = point_key(model.monte_carlo, ())
     summed, without_noise = _summed(model, problem)
     total, total_mean, scatter = _deviations(problem, key, groups)

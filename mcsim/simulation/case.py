@@ -14,6 +14,10 @@ from mcsim.scenario.rules import Rules
 from mcsim.simulation.problem import Problem
 
 
+def _no_notes(_: Any, __: Path) -> tuple[str, ...]:
+    return ()
+
+
 @dataclass(frozen=True)
 class Case:
     """A system that can be simulated: its scenario block, its truth and its problem.
@@ -38,6 +42,8 @@ class Case:
         Its rules of integration, where users may add their own, and
     kernel : callable, optional
         ``kernel() -> type``, the kernel system that own rules are derived from.
+    notes : callable
+        ``notes(model, folder)``: what a user should know of where the truth comes from.
     """
 
     name: str
@@ -48,3 +54,4 @@ class Case:
     idle: tuple[IdleKey, ...] = ()
     rules: Rules | None = None
     kernel: Callable[[], type[Any]] | None = None
+    notes: Callable[[Any, Path], tuple[str, ...]] = _no_notes

@@ -47,6 +47,17 @@ def problem_of(model: CaseScenario, folder: Path) -> Problem:
     return SYSTEMS[model.case].problem(model, folder)
 
 
+def notes_of(model: CaseScenario, folder: Path) -> tuple[str, ...]:
+    """What a user should know of where a point's truth comes from.
+
+    Raises
+    ------
+    InputError
+        See ``problem_of``.
+    """
+    return SYSTEMS[model.case].notes(model, folder)
+
+
 def check_point(model: CaseScenario, folder: Path) -> int:
     """Samples per realization; refuses a point that cannot run, without preparing it.
 

@@ -15,20 +15,20 @@ from pathlib import Path
 
 import numpy as np
 
-from mcsim.systems.strapdown.lean import (
-    Lean,
-    constant_lean,
-    follower,
-    oscillator,
-    recorded_lean,
-    refuse_jumps,
-    refuse_long,
-)
-from mcsim.systems.strapdown.scenario import Body, Response, StrapdownScenario
+from mcsim.scenario.response import Response
+from mcsim.systems.strapdown.scenario import Body, StrapdownScenario
 from mcsim.tracks import drive_of
 from mcsim.trajectory.attitude import EulerAngles, euler_angles, rotation_matrix
 from mcsim.trajectory.curves import Array
 from mcsim.trajectory.drive import Drive
+from mcsim.trajectory.lean import (
+    Lean,
+    constant_lean,
+    leaning,
+    recorded_lean,
+    refuse_jumps,
+    refuse_long,
+)
 
 
 @dataclass(frozen=True)
@@ -175,9 +175,7 @@ def _lean(
         return constant_lean(0.0)
     refuse_long(drive.duration, response.natural_frequency)
     driven = _driven(drive, road, gravity, axis, response, sign)
-    if response.natural_frequency == 0.0:
-        return follower(*driven)
-    return oscillator(*driven, response.natural_frequency, response.damping)
+    return leaning(*driven, response.natural_frequency, response.damping)
 
 
 def _driven(
