@@ -46,7 +46,8 @@ class Course:
     (``stamps`` or independent intervals).  ``by_acceleration`` is what the errors of the
     calibration would make of the velocity if they entered the acceleration alone, and not the
     initial tilt as well (to first order).  ``limits`` are the bounds of the sensor and of the model
-    that the run reaches.
+    that the run reaches.  Of ``measured`` runs ``truth`` is their mean, ``scatter`` theirs, and
+    ``other_scatter`` what noise and time base alone would make; a single one has nan for both.
     """
 
     time: Array
@@ -63,6 +64,7 @@ class Course:
     by_acceleration: Array
     sensor_terms: tuple[str, ...] = ()
     limits: tuple[str, ...] = ()
+    measured: bool = False
 
     @property
     def summed_total(self) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,6 +38,9 @@ class Case:
         Its rules of integration, where users may add their own, and
     kernel : callable, optional
         ``kernel() -> type``, the kernel system that own rules are derived from.
+    raw_log : callable, optional
+        ``raw_log(model) -> {title: values}``, what its sensors would have recorded, where the
+        scenario asks for it; None where it does not.
     """
 
     name: str
@@ -48,3 +51,4 @@ class Case:
     idle: tuple[IdleKey, ...] = ()
     rules: Rules | None = None
     kernel: Callable[[], type[Any]] | None = None
+    raw_log: Callable[[Any], Mapping[str, Any] | None] | None = None

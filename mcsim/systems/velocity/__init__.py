@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from mcsim.simulation.case import Case
 from mcsim.simulation.problem import Problem
@@ -21,4 +23,10 @@ def _samples(model: VelocityScenario, _: Path) -> int:
     return step_count(model)
 
 
-CASE = Case("velocity", VelocityScenario, _problem, _samples)
+def _raw_log(model: VelocityScenario) -> Mapping[str, Any] | None:
+    from mcsim.systems.velocity.raw_log import raw_log
+
+    return raw_log(model, model.monte_carlo.seed) if model.outputs.runs else None
+
+
+CASE = Case("velocity", VelocityScenario, _problem, _samples, raw_log=_raw_log)

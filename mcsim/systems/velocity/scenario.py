@@ -25,6 +25,7 @@ from mcsim.scenario.fields import (
     reject,
 )
 from mcsim.scenario.named_sensor import ReckoningAccelerometer
+from mcsim.scenario.run import Outputs
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
 
 #: Rows of the source's budget tables.
@@ -262,6 +263,14 @@ class BudgetPoint(Block):
         return self
 
 
+class VelocityOutputs(Outputs):
+    """What to keep of a velocity scenario."""
+
+    runs: bool = False
+    """Raw output of the runs of one group with their rests, as `mcsim velocity` reads it; the
+    scenario's uncertainties are errors in it."""
+
+
 class VelocityScenario(CaseScenario):
     """1-D velocity from a tri-axial accelerometer, with an uncertainty budget."""
 
@@ -278,6 +287,7 @@ class VelocityScenario(CaseScenario):
     tilt: Tilt = Tilt()
     runs: Annotated[int, Whole, Ge(1), Le(1000)] = 12
     """Runs M of a group; all runs of a group share calibration, rest, tilt and gravity."""
+    outputs: VelocityOutputs = VelocityOutputs()
     instants: Annotated[tuple[Annotated[Time, Positive], ...], Len(1, 100)] | None = None
     """When errors are reported, after the start; the end of the run if absent."""
     budget: BudgetPoint | None = None
