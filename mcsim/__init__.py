@@ -68,6 +68,7 @@ What the commands do:
 * ``convert(sensor, to)``: a sensor in another noise dialect, as text.
 * ``convert_quantity("0.2 °/√h")``: a noise figure in all units and dialects.
 * ``analyse_vibration(file)``: peaks, spectra and orders of a log, or of a simulated scenario.
+* ``velocity(files, calibration)``: recorded runs to v(t) of each, their mean and uc; m/s.
 * ``table(name)``: a printed table of a source beside what is computed.
 * ``validate(file)``, ``schema(kind)``: a scenario checked without a run; the JSON schema.
 
@@ -120,6 +121,7 @@ if TYPE_CHECKING:
     from mcsim.api.linearity import linearity
     from mcsim.api.run import run
     from mcsim.api.scenario_files import schema, validate
+    from mcsim.api.velocity import velocity
     from mcsim.api.vibration import analyse_vibration
     from mcsim.cli.command import Command
     from mcsim.dialects import Dialect
@@ -207,6 +209,7 @@ __all__ = [
     "schema",
     "table",
     "validate",
+    "velocity",
 ]
 
 #: Where public names are imported from when they are first used.
@@ -228,6 +231,7 @@ _WHERE = {
     "schema": "mcsim.api.scenario_files",
     "table": "mcsim.papers.table",
     "validate": "mcsim.api.scenario_files",
+    "velocity": "mcsim.api.velocity",
     # Parts of one's own.
     "Case": "mcsim.simulation.case",
     "Command": "mcsim.cli.command",

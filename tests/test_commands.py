@@ -16,6 +16,7 @@ from mcsim.errors import InputError
 from mcsim.figures import PICTURES
 from mcsim.papers import FIGURES, TABLES, velocity_tables
 from mcsim.registry import Registry
+from mcsim.systems.velocity.raw_log import raw_log
 from tests.conftest import BASE_YAML
 
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
@@ -29,6 +30,7 @@ WRITING = {
     "figures": (["13"], "figure13"),
     "linearity": ([A1], "a1-linearity"),
     "run": (["case.yaml", "--realizations", "20"], "case"),
+    "velocity": (["runs.csv", "--calibration", A1, "--draws", "200"], "runs-velocity"),
     "vibration": ([ENGINE], "engine"),
 }
 SENSOR = "accelerometer: {velocity_random_walk: 0.1 m/s/√h}\n"
@@ -93,6 +95,8 @@ def test_every_folder_has_a_provenance(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("case.yaml").write_text(BASE_YAML)
     Path("sensor.yaml").write_text(SENSOR)
+    log = raw_log(mcsim.Scenario.from_yaml(A1, ["runs=2"]).base, SCENARIOS, 1)
+    pd.DataFrame(log).to_csv("runs.csv", index=False)
     arguments, folder = WRITING[name]
     assert exit_code([name, *arguments, "--quiet", "--output", "out"]) == 0
     assert capsys.readouterr().out == ""

@@ -22,6 +22,7 @@ COMMANDS: Registry[Command] = Registry(
             "sensors",
             "table",
             "validate",
+            "velocity",
             "vibration",
         )
     },

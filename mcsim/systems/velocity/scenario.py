@@ -27,6 +27,7 @@ from mcsim.scenario.fields import (
 from mcsim.scenario.named_sensor import ReckoningAccelerometer
 from mcsim.scenario.place import Place
 from mcsim.scenario.response import Response
+from mcsim.scenario.run import Outputs
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
 from mcsim.systems.velocity.profiles import StraightRun
 from mcsim.systems.velocity.profiles.profile import LONGEST
@@ -239,6 +240,14 @@ class BudgetPoint(Block):
         return self
 
 
+class VelocityOutputs(Outputs):
+    """What to keep of a velocity scenario."""
+
+    runs: bool = False
+    """Raw output of the runs of one group with their rests, as `mcsim velocity` reads it; the
+    scenario's uncertainties are errors in it."""
+
+
 class VelocityScenario(CaseScenario):
     """1-D velocity from a tri-axial accelerometer, with an uncertainty budget."""
 
@@ -256,6 +265,7 @@ class VelocityScenario(CaseScenario):
     tilt: Tilt = Tilt()
     runs: Annotated[int, Whole, Ge(1), Le(1000)] = 12
     """Runs M of a group; all runs of a group share calibration, rest, tilt and gravity."""
+    outputs: VelocityOutputs = VelocityOutputs()
     instants: Annotated[tuple[Annotated[Time, Positive], ...], Len(1, 100)] | None = None
     """When errors are reported, after the start; the end of the run if absent."""
     budget: BudgetPoint | None = None
