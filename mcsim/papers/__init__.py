@@ -135,6 +135,7 @@ class PaperFigure:
 TABLES: Registry[PaperTable] = Registry(
     "table",
     later={
+        "attitude-drift": "mcsim.papers.attitude_drift:TABLE",
         "bias-tracking": "mcsim.papers.bias_tracking:TABLE",
         "gravity-leakage": "mcsim.papers.gravity_leakage:TABLE",
         "sensors": "mcsim.papers.sensor_deviations:TABLE",
@@ -154,6 +155,7 @@ FIGURES: Registry[PaperFigure] = Registry(
         "12": "mcsim.papers.velocity_figures:FIGURE_12",
         "13": "mcsim.papers.velocity_figures:FIGURE_13",
         "14": "mcsim.papers.velocity_figures:FIGURE_14",
+        "attitude-drift": "mcsim.papers.attitude_drift:FIGURE",
         "strapdown": "mcsim.papers.shipped_sweeps:STRAPDOWN",
         "velocity": "mcsim.papers.shipped_sweeps:VELOCITY",
         "vibration": "mcsim.papers.shipped_vibrations:VIBRATION",
