@@ -138,6 +138,7 @@ TABLES: Registry[PaperTable] = Registry(
         "attitude-drift": "mcsim.papers.attitude_drift:TABLE",
         "bias-tracking": "mcsim.papers.bias_tracking:TABLE",
         "gravity-leakage": "mcsim.papers.gravity_leakage:TABLE",
+        "planar-sensors": "mcsim.papers.planar_sensors:TABLE",
         "sensors": "mcsim.papers.sensor_deviations:TABLE",
         "velocity": "mcsim.papers.velocity_tables:TABLE",
     },
