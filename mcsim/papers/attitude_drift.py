@@ -50,9 +50,9 @@ of {count:,} vehicles of the strapdown case, in the same frame, whose tilt, bias
 standard deviation; round earth: the same on a sphere, where what moves by mistake takes its
 vertical along (Schuler, {period:.1f} min). Flat errors of a constant tilt are {share:.0%} too
 large after {tilt:.1f} min, of a bias after {bias:.1f} min. Earth's rate: a gyroscope that is not
-told of it, and has not taken it for part of its bias at rest, reads it as a bias on the axis that points
-north; a bias below it is worth nothing then. No column has the coupling of both axes by the earth's
-rate, which turns by {coupling:.1f}° within an hour."""
+told of it, and has not taken it for part of its bias at rest, reads it as a bias on the axis that
+points north; a bias below it is worth nothing then. No column has the coupling of both axes by the
+earth's rate, which turns by {coupling:.1f}° within an hour."""
 
 
 def drifts(bias: str = "", noise: str = "", seed: int = 1) -> Iterator[Drift]:
