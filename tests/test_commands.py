@@ -14,7 +14,7 @@ from mcsim.cli.commands import COMMANDS
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
 from mcsim.figures import PICTURES
-from mcsim.papers import FIGURES, TABLES, velocity_tables
+from mcsim.papers import FIGURES, TABLES, attitude_drift, velocity_tables
 from mcsim.registry import Registry
 from mcsim.systems.velocity.raw_log import raw_log
 from tests.conftest import BASE_YAML
@@ -115,6 +115,8 @@ def refuse_strays(folder):
 def quick(monkeypatch):
     """Tables that take seconds, made of less."""
     monkeypatch.setattr(velocity_tables, "GROUPS", 20)
+    monkeypatch.setattr(attitude_drift, "REALIZATIONS", 64)
+    monkeypatch.setattr(attitude_drift, "TIMES", (10.0,))
     course = gum.course_of_uncertainty
     monkeypatch.setattr(gum, "course_of_uncertainty", lambda model: course(model, groups=20))
 

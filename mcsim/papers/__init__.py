@@ -135,8 +135,10 @@ class PaperFigure:
 TABLES: Registry[PaperTable] = Registry(
     "table",
     later={
+        "attitude-drift": "mcsim.papers.attitude_drift:TABLE",
         "bias-tracking": "mcsim.papers.bias_tracking:TABLE",
         "gravity-leakage": "mcsim.papers.gravity_leakage:TABLE",
+        "planar-sensors": "mcsim.papers.planar_sensors:TABLE",
         "sensors": "mcsim.papers.sensor_deviations:TABLE",
         "velocity": "mcsim.papers.velocity_tables:TABLE",
     },
@@ -154,6 +156,7 @@ FIGURES: Registry[PaperFigure] = Registry(
         "12": "mcsim.papers.velocity_figures:FIGURE_12",
         "13": "mcsim.papers.velocity_figures:FIGURE_13",
         "14": "mcsim.papers.velocity_figures:FIGURE_14",
+        "attitude-drift": "mcsim.papers.attitude_drift:FIGURE",
         "strapdown": "mcsim.papers.shipped_sweeps:STRAPDOWN",
         "velocity": "mcsim.papers.shipped_sweeps:VELOCITY",
         "vibration": "mcsim.papers.shipped_vibrations:VIBRATION",
