@@ -49,9 +49,7 @@ class TabulatedDensity:
 
     def __call__(self, frequency: Array) -> Array:
         """Inside of the band; the outermost value beyond."""
-        return np.exp(
-            np.interp(np.log(frequency), np.log(self.frequency), np.log(self.density))
-        )
+        return np.exp(np.interp(np.log(frequency), np.log(self.frequency), np.log(self.density)))
 
     def continued(self) -> Callable[[Array], Array]:
         """The density with both ends continued by the power laws that they follow."""

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.characterisation.allan import gauss_markov_variance
 from mcsim.characterisation.process import GaussMarkov
 
 Array = NDArray[np.float64]

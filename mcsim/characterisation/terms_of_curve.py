@@ -55,7 +55,8 @@ def terms_of_curve(
     spread : float64 (k,), optional
         Relative errors of the deviation; growing as √τ if absent, as those of one log do.
     interval : float, optional
-        Sampling interval (s) that the density of quantisation needs; the shortest cluster if absent.
+        Sampling interval (s), which the density of quantisation needs; the shortest cluster if
+        absent.
     """
     weights = 1.0 / (np.sqrt(tau / tau[0]) if spread is None else spread)
     step = interval or float(tau[0])

@@ -58,7 +58,8 @@ def draw_density_and_curve(
             style = "none" if line.points else style
             marker = "o" if line.points else ""
             value = line.deviation * one
-            right.plot(line.tau, value, marker, color=colour, linestyle=style, label=line.label)
+            looks = {"color": colour, "linestyle": style, "marker": marker}
+            right.plot(line.tau, value, label=line.label, **looks)
         _finish(left, "frequency [Hz]", f"root of the one-sided density [{unit}/√Hz]")
         _finish(right, "cluster time τ [s]", f"Allan deviation [{unit}]")
         if title:

@@ -32,7 +32,7 @@ class TermPanel:
     """Terms over cluster times ``tau`` (k,) in s, singly and, where there are several, together.
 
     ``one`` is an SI unit in units of the axis ``label``; ``readings`` are marked, or where there
-    are none each term's own read-off point; ``until`` (s) is a log's longest cluster.
+    are none each term's own read-off point.
     """
 
     title: str
@@ -85,7 +85,7 @@ def _draw(panel: TermPanel, axes: Axes) -> None:
         )
     if together:
         axes.plot(panel.tau, total, color=_TOTAL, label="all together")
-    _mark(panel, axes)
+    _mark(panel, axes, bottom)
     log_scale(axes, "x", panel.tau.tolist())
     log_scale(axes, "y", [bottom, float(total.max())])
     axes.set_ylim(bottom, 2.0 * float(total.max()))
@@ -93,13 +93,15 @@ def _draw(panel: TermPanel, axes: Axes) -> None:
     axes.set_title(panel.title, fontsize=8.6, loc="left")
 
 
-def _mark(panel: TermPanel, axes: Axes) -> None:
+def _mark(panel: TermPanel, axes: Axes, bottom: float) -> None:
     """Dots where the coefficients are read; a term's region along the bottom."""
     if not panel.readings:
         for term in panel.terms:
             if term.read_off is not None:
                 point = term.read_off
                 level = point.level * term.coefficient * panel.one
+                if level < bottom:
+                    continue
                 axes.plot(point.tau, level, "o", color=_MARK, zorder=4, label="read off here")
         return
     for k, reading in enumerate(panel.readings):
@@ -111,6 +113,7 @@ def _mark(panel: TermPanel, axes: Axes) -> None:
                 ymax=0.03 + 0.02 * (k % 2),
                 color=_COLOURS[reading.term.letter],
                 lw=0,
+                zorder=0.5,
                 label="cluster times of a reading",
             )
 

@@ -135,6 +135,7 @@ class PaperFigure:
 TABLES: Registry[PaperTable] = Registry(
     "table",
     later={
+        "allan-recovery": "mcsim.papers.allan_recovery:TABLE",
         "bias-tracking": "mcsim.papers.bias_tracking:TABLE",
         "gravity-leakage": "mcsim.papers.gravity_leakage:TABLE",
         "sensors": "mcsim.papers.sensor_deviations:TABLE",
@@ -154,6 +155,7 @@ FIGURES: Registry[PaperFigure] = Registry(
         "12": "mcsim.papers.velocity_figures:FIGURE_12",
         "13": "mcsim.papers.velocity_figures:FIGURE_13",
         "14": "mcsim.papers.velocity_figures:FIGURE_14",
+        "allan": "mcsim.papers.allan_figures:FIGURE",
         "strapdown": "mcsim.papers.shipped_sweeps:STRAPDOWN",
         "velocity": "mcsim.papers.shipped_sweeps:VELOCITY",
         "vibration": "mcsim.papers.shipped_vibrations:VIBRATION",

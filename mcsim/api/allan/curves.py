@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 
 #: Points per decade of cluster time, and the decades of the pictures (s).
 _PER_DECADE, _SHORTEST, _LONGEST = 20, 1e-2, 1e5
-#: Cut-off of the flicker noise and sampling interval of the quantisation in the figure of the terms;
-#: correlation time and frequency there.
+#: In the figure of the terms: cut-off of the flicker noise (Hz), sampling interval of the
+#: quantisation (s), correlation time (s), frequency of the sinusoid (Hz).
 _CUTOFF, _INTERVAL, _TIME, _FREQUENCY = 1.0, 0.01, 10.0, 0.1
 #: Coefficients whose terms take turns, as in Figure 3.6.
 _EXAMPLE = {"Q": 0.003, "N": 0.05, "B": 0.03, "K": 3e-4, "R": 1e-6}
@@ -179,7 +179,7 @@ def _of_terms() -> AllanCurves:
         terms.ramp(_EXAMPLE["R"]),
     ]
     example = ", ".join(f"{k} {v:g}" for k, v in _EXAMPLE.items())
-    panels = (
+    panels: tuple[TermPanel | CorrelationPanel, ...] = (
         *single,
         TermPanel(f"together ({example}, SI)", "Allan deviation (SI)", mixed, cluster_times()),
         CorrelationPanel("Gauss-Markov: autocorrelation, 1/e at Tc"),
@@ -204,7 +204,9 @@ def _unit(term: NoiseTerm) -> str:
 
 def _fine(term: NoiseTerm, tau: Array) -> Array:
     """Cluster times that a curve with lobes needs, no two of them on a zero."""
-    return np.geomspace(tau[0], tau[-1], 4001) if term.letter in ("S", "B") else tau
+    if term.letter == "S":
+        return np.geomspace(0.1, 100.0, 4001)
+    return np.geomspace(tau[0], tau[-1], 1001) if term.letter == "B" else tau
 
 
 def _table(panels: Sequence[TermPanel | CorrelationPanel]) -> pd.DataFrame:

@@ -86,16 +86,16 @@ class AllanOfDensity(Found):
         return "\n".join([*columns(rows), *self._sentences()])
 
     def _sentences(self) -> list[str]:
-        first, last = self.slopes
+        first, last = (round(slope, 2) + 0.0 for slope in self.slopes)
         said = [f"{note}." for note in self.source.notes]
-        said.append(f"The density falls or rises as f^{first:.2f} at its lower end, f^{last:.2f} at its upper.")
+        said.append(f"The density goes as f^{first:g} at its lower end, f^{last:g} at its upper.")
         if first <= _STEEPEST:
             said.append("Continued below, its Allan variance would be infinite (f⁻³ or steeper).")
         if last >= _SHALLOWEST:
             said.append("Continued above, its Allan variance would be infinite (it rises as f).")
         if self.known.any():
             tau = self.tau[self.known]
-            said.append(f"Known to {_KNOWN:.0%} from {tau[0]:.3g} s to {tau[-1]:.3g} s.")
+            said.append(f"Known to {100 * _KNOWN:g} % from {tau[0]:.3g} s to {tau[-1]:.3g} s.")
         return said
 
     def report(self) -> Report:
@@ -165,9 +165,7 @@ def from_density(
     source = read_density(path, sides, column, channel)
     density = TabulatedDensity(source.frequency, source.density)
     low, high = density.band
-    tau = np.geomspace(
-        0.5 / high, 0.5 / low, max(2, round(_PER_DECADE * np.log10(high / low)) + 1)
-    )
+    tau = np.geomspace(0.5 / high, 0.5 / low, max(2, round(_PER_DECADE * np.log10(high / low)) + 1))
     inside = allan_from_density(density, tau, density.band, source.frequency)
     first, last = density.slopes
     continued = np.full(len(tau), np.nan)

@@ -135,21 +135,7 @@ class AllanPlan(Found):
                 "log for the fit",
             ]
         ]
-        for t in self.terms:
-            rows.append(
-                [
-                    f"{t.axis.element[:5]} {t.axis.axis}",
-                    t.name,
-                    coefficient_words(t.axis, t.name),
-                    f"{t.reading.tau:.3g} s",
-                    f"{t.reading.share:.0%}",
-                    f"{t.reading.bias:.1%}" + ("" if t.reading.region else " (hidden)"),
-                    duration_words(t.by_equation),
-                    error_words(t.error_there),
-                    duration_words(t.by_fit),
-                ]
-            )
-        return rows
+        return rows + [_row(term) for term in self.terms]
 
     def _sentences(self) -> list[str]:
         longest = max(self.terms, key=lambda t: t.by_fit)
@@ -218,6 +204,20 @@ class AllanPlan(Found):
             tables={"plan": self.table},
             pictures=printed(draw_terms(panels, title), "plan"),
         )
+
+
+def _row(t: PlannedTerm) -> list[str]:
+    return [
+        f"{t.axis.element[:5]} {t.axis.axis}",
+        t.name,
+        coefficient_words(t.axis, t.name),
+        f"{t.reading.tau:.3g} s",
+        f"{100 * t.reading.share:.0f} %",
+        f"{100 * t.reading.bias:.1f} %" + ("" if t.reading.region else " (hidden)"),
+        duration_words(t.by_equation),
+        error_words(t.error_there),
+        duration_words(t.by_fit),
+    ]
 
 
 def plan(

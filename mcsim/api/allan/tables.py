@@ -53,7 +53,9 @@ class DensityTable:
 
 @dataclass(frozen=True)
 class CurveTable:
-    """``tau`` (k,) in s, ``deviation`` (k,) in SI units, ``spread`` (k,) its relative error or None."""
+    """``tau`` (k,) in s, ``deviation`` (k,) in SI units, ``spread`` (k,) its relative
+    error or None.
+    """
 
     element: str
     name: str
@@ -121,7 +123,7 @@ def read_curve(path: Path, column: str | None = None, channel: str | None = None
 
 
 def _spread(file: ColumnFile, rows: NDArray[np.int64]) -> Array | None:
-    """Relative errors from the interval of ``allan.csv``: a quarter of its width on the logarithm."""
+    """Relative errors from the interval of ``allan.csv``: a quarter of its width in logarithms."""
     low, high = file.place_of("ci_low"), file.place_of("ci_high")
     if low is None or high is None:
         return None
@@ -235,8 +237,9 @@ def _is_one_sided(file: ColumnFile, at: int, sides: str | None) -> bool:
         raise InputError(f"{file.path}: {file.title(at)} says {said}-sided, --sides says {sides}")
     if said is None and sides is None:
         raise InputError(
-            f"{file.path}: nothing says whether {file.title(at)} is one- or two-sided; give --sides "
-            "one (as data sheets and Welch's estimate have it) or --sides two (as Eq. 3.12 has it)"
+            f"{file.path}: nothing says whether {file.title(at)} is one- or two-sided; give "
+            "--sides one (as data sheets and Welch's estimate have it) or --sides two (as Eq. 3.12 "
+            "has it)"
         )
     return (said or sides) == "one"
 

@@ -139,13 +139,14 @@ class DensityOfTerms(Found):
         densities, lines = [], []
         for axis in [a for a in self.axes if a.element == self.axes[0].element]:
             density = total_density(axis.terms, axis.frequency)
-            densities.append(DensityCurve(axis.name, axis.frequency, density))
+            label = axis.name if axis.curve is None else "fitted terms"
+            densities.append(DensityCurve(label, axis.frequency, density))
             if axis.curve is not None:
                 lines.append(
                     AllanCurveLine("table", axis.curve.tau, axis.curve.deviation, points=True)
                 )
             deviation = np.sqrt(total_variance(axis.terms, axis.tau))
-            lines.append(AllanCurveLine(axis.name, axis.tau, deviation))
+            lines.append(AllanCurveLine(label, axis.tau, deviation))
         figure = draw_density_and_curve(densities, lines, in_unit(1.0, unit, KINDS[kind]), unit)
         return Report(
             provenance=self.origin,
@@ -266,7 +267,7 @@ def _named(element: str) -> Any:
 def _of_fit(axis: TermsOfAxis) -> list[str]:
     if axis.fitted is None:
         return []
-    said = [f"Fitted terms miss the table by {axis.fitted.rms:.2g} (root mean square of parts of 1)."]
+    said = [f"Fitted terms miss the table by {100 * axis.fitted.rms:.2g} % (root mean square)."]
     if axis.fitted.rms > _MISFIT:
         said.append("That is much: the curve is not made up of these terms.")
     if any(term.letter == "R" for term in axis.terms):
