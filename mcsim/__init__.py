@@ -67,6 +67,8 @@ What the commands do:
 * ``read_parameters(file)``: ready parameters in any dialect, as a sensor file.
 * ``convert(sensor, to)``: a sensor in another noise dialect, as text.
 * ``convert_quantity("0.2 °/√h")``: a noise figure in all units and dialects.
+* ``allan``: ``plan``, ``curves``, ``from_density``, ``to_density``, ``deviations``, as in
+  ``mcsim allan``.
 * ``analyse_vibration(file)``: peaks, spectra and orders of a log, or of a simulated scenario.
 * ``velocity(files, calibration)``: recorded runs to v(t) of each, their mean and uc; m/s.
 * ``table(name)``: a printed table of a source beside what is computed.
@@ -114,6 +116,7 @@ from mcsim.version import __version__
 if TYPE_CHECKING:
     from mcsim import dialects
     from mcsim.adding import add
+    from mcsim.api import allan
     from mcsim.api.budget import budget
     from mcsim.api.calibrate import calibrate
     from mcsim.api.characterise import characterise
@@ -187,6 +190,7 @@ __all__ = [
     "add",
     "add_rule",
     "algorithm",
+    "allan",
     "along",
     "analyse_vibration",
     "budget",
@@ -270,6 +274,7 @@ _WHERE = {
 }
 #: Modules that are public as a whole.
 _MODULES = {
+    "allan": "mcsim.api.allan",
     "curves": "mcsim.trajectory.curves",
     "dialects": "mcsim.dialects",
     "fields": "mcsim.scenario.fields",

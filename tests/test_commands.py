@@ -14,7 +14,7 @@ from mcsim.cli.commands import COMMANDS
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
 from mcsim.figures import PICTURES
-from mcsim.papers import FIGURES, TABLES, attitude_drift, velocity_tables
+from mcsim.papers import FIGURES, TABLES, allan_recovery, attitude_drift, velocity_tables
 from mcsim.registry import Registry
 from mcsim.systems.velocity.raw_log import raw_log
 from tests.conftest import BASE_YAML
@@ -24,6 +24,7 @@ A1 = str(SCENARIOS / "velocity" / "a1.yaml")
 ENGINE = str(SCENARIOS / "vibration" / "engine.yaml")
 #: For each command that writes: its arguments, and the folder that it makes in that of results.
 WRITING = {
+    "allan": (["curves"], ""),
     "budget": ([A1], "a1-budget"),
     "calibrate": ([A1, "--samples", "20"], "a1-calibration"),
     "characterise": (["sensor.yaml"], ""),
@@ -117,6 +118,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(velocity_tables, "GROUPS", 20)
     monkeypatch.setattr(attitude_drift, "REALIZATIONS", 64)
     monkeypatch.setattr(attitude_drift, "TIMES", (10.0,))
+    monkeypatch.setattr(allan_recovery, "SENSORS", ("MPU-9250",))
     course = gum.course_of_uncertainty
     monkeypatch.setattr(gum, "course_of_uncertainty", lambda model: course(model, groups=20))
 
