@@ -53,6 +53,7 @@ from mcsim.kernels.strapdown_system import (
     Force,
     Motion,
     Strapdown,
+    TimedStrapdown,
     way_of,
 )
 from mcsim.kernels.system import add_linear, begin, draw_once, finish, keep, record, rows_of
@@ -75,6 +76,7 @@ __all__ = [
     "Force",
     "Motion",
     "Strapdown",
+    "TimedStrapdown",
     "way_of",
 ]
 
