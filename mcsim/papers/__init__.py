@@ -137,6 +137,7 @@ TABLES: Registry[PaperTable] = Registry(
     later={
         "bias-tracking": "mcsim.papers.bias_tracking:TABLE",
         "gravity-leakage": "mcsim.papers.gravity_leakage:TABLE",
+        "repeated-runs": "mcsim.papers.repeated_runs:TABLE",
         "sensors": "mcsim.papers.sensor_deviations:TABLE",
         "velocity": "mcsim.papers.velocity_tables:TABLE",
     },
@@ -154,6 +155,7 @@ FIGURES: Registry[PaperFigure] = Registry(
         "12": "mcsim.papers.velocity_figures:FIGURE_12",
         "13": "mcsim.papers.velocity_figures:FIGURE_13",
         "14": "mcsim.papers.velocity_figures:FIGURE_14",
+        "repeated-runs": "mcsim.papers.repeated_runs:FIGURE",
         "strapdown": "mcsim.papers.shipped_sweeps:STRAPDOWN",
         "velocity": "mcsim.papers.shipped_sweeps:VELOCITY",
         "vibration": "mcsim.papers.shipped_vibrations:VIBRATION",
