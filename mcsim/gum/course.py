@@ -16,21 +16,12 @@ from mcsim.gum.propagation import step_variances, summed
 from mcsim.systems.velocity.linear import calibration_pushes
 from mcsim.systems.velocity.problem import VelocityProblem
 from mcsim.systems.velocity.scenario import VelocityScenario
+from mcsim.systems.velocity.sources import SENSOR_TERMS, acting_alone
 
 Array = NDArray[np.float64]
 
 #: Sources of uncertainty, as the comparison tells them apart.
 SOURCES = ("calibration matrix", "zero bias", "noise", "tilt change", "gravity", "time base")
-#: What each source is among the kernel's inputs of a group.
-_GROUP_INPUTS = {
-    "calibration matrix": slice(0, 6),
-    "zero bias": slice(6, 9),
-    "noise": slice(9, 12),
-    "tilt change": slice(12, 13),
-    "gravity": slice(13, 14),
-}
-#: What Monte Carlo has beyond them: the accelerometer's error terms that are not white noise.
-SENSOR_TERMS = "accelerometer terms"
 #: Groups simulated for the comparison.
 GROUPS = 10_000
 
@@ -96,7 +87,9 @@ def course_of_uncertainty(
     total, total_mean, scatter = _deviations(problem, key, groups)
     terms = _sensor_terms(problem)
     sources = (*SOURCES, SENSOR_TERMS) if terms else SOURCES
-    simulated = {source: _deviations(_only(problem, source), key, groups)[0] for source in sources}
+    simulated = {
+        source: _deviations(acting_alone(problem, source), key, groups)[0] for source in sources
+    }
     return Course(
         time=np.round(np.arange(len(problem.truth)) * problem.interval, 12),
         truth=problem.truth,
@@ -136,24 +129,6 @@ def _by_acceleration(problem: VelocityProblem) -> Array:
     pushes = calibration_pushes(problem.raw, problem.inputs, problem.tilt_order)
     velocity = problem.interval * np.cumsum(pushes, axis=0) * problem.uncertainties[:9]
     return np.append(0.0, np.sqrt(np.sum(velocity**2, axis=1)))
-
-
-def _only(problem: VelocityProblem, source: str) -> VelocityProblem:
-    """The problem with one source of uncertainty alone."""
-    alone = np.zeros_like(problem.uncertainties)
-    if source in _GROUP_INPUTS:
-        alone[_GROUP_INPUTS[source]] = problem.uncertainties[_GROUP_INPUTS[source]]
-    errors = problem.sensor_errors
-    if source == SENSOR_TERMS:
-        errors = replace(errors, white=np.zeros_like(errors.white))
-    else:
-        errors = errors.white_alone() if source == "noise" else errors.silent()
-    return replace(
-        problem,
-        uncertainties=alone,
-        sensor_errors=errors,
-        time_error=problem.time_error if source == "time base" else 0.0,
-    )
 
 
 def _deviations(problem: VelocityProblem, key: int, groups: int) -> tuple[Array, Array, Array]:
