@@ -26,6 +26,7 @@ from mcsim.scenario.fields import (
 )
 from mcsim.scenario.named_sensor import ReckoningAccelerometer
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
+from mcsim.scenario.temperature import Temperature
 
 #: Rows of the source's budget tables.
 BUDGET_ROWS = 26
@@ -113,6 +114,9 @@ class RawAccelerometer(Block):
     rest and go on through all its runs."""
     noise: Axes | None = None
     """Standard deviation of one raw sample, u(am); replaces the accelerometer's noise density."""
+    temperature: Temperature | None = None
+    """Of the sensor, less that of its calibration; begins with the rest, and goes on through all
+    runs of a group."""
     sampling: Literal["average", "none"] = "average"
     """A sample is the mean over the interval that begins with it, or the momentary value just
     after it."""
@@ -146,6 +150,15 @@ class RawAccelerometer(Block):
             raise reject(
                 f"{source}no noise is given; write `noise: {{x: 3.8e-3 g, y: 3.0e-3 g, z: 4.9e-3 "
                 "g}`, the deviation of one sample, or an `accelerometer` with a `noise_density`"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _senses_gravity(self) -> RawAccelerometer:
+        if self.terms.ac_coupled:
+            raise reject(
+                "behind an `ac_coupling` no gravity is left, from which the initial tilt is taken; "
+                "remove it"
             )
         return self
 
