@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from mcsim.gum.course import SENSOR_TERMS, Array, Course
+from mcsim.gum.course import Array, Course
+from mcsim.systems.velocity.sources import SENSOR_TERMS
 
 #: What sums and simulation may differ by before the words name it.
 _SAME = 0.1

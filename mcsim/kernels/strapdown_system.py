@@ -13,8 +13,7 @@ from mcsim.kernels.rotation import wrap
 
 #: Streams of the channels and constants that the planar system does not have.
 SPATIAL_NOISE, SPATIAL_CONSTANTS, MIXING_CONSTANTS = 16, 17, 18
-#: Whether a channel is one of specific force; turns among the channels.
-IS_FORCE = (True, True, False, True, False, False)
+#: Turns among the channels.
 TURNS = (2, 4, 5)
 #: Ways of taking a sample.
 LITTLE, RECTANGULAR, FORWARD_EULER, TRAPEZOIDAL = range(4)

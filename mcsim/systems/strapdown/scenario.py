@@ -137,6 +137,15 @@ class StrapdownScenario(CaseScenario):
         return self
 
     @model_validator(mode="after")
+    def _levels_by_gravity(self) -> StrapdownScenario:
+        if self.initial.levelling and self.sensors.accelerometer.ac_coupled:
+            raise reject(
+                "behind an `ac_coupling` no gravity is left to level by; remove it, or write "
+                "`initial.tilt_error` instead of `initial.levelling`"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _one_attitude(self) -> StrapdownScenario:
         if not self.records_attitude:
             return self

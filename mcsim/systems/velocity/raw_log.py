@@ -51,16 +51,16 @@ def raw_log(
     one = np.concatenate(
         [
             np.tile(rest, (at_rest, 1)),
-            run_samples(true, true_run(true, folder), times, errors.bandwidths),
+            run_samples(true, true_run(true, folder), times, errors.filters),
             np.tile(rest, (still, 1)),
         ]
     )
     velocity = true_run(model, folder).motion(times[:-1]).velocity
     ideal = np.tile(one, (runs, 1))
     sensed = ideal - correction_of(true.calibration)[1]
-    # The low-pass is in the samples of the run already.
+    # The filters are in the samples of the run already.
     log = SimulatedLog(
-        replace(errors, bandwidths=(np.inf,) * 3), int(generator.integers(np.iinfo(np.int64).max))
+        replace(errors, filters=((),) * 3), int(generator.integers(np.iinfo(np.int64).max))
     )
     raw = log.measure(np.concatenate([ideal, sensed], axis=1))
     return {

@@ -29,6 +29,7 @@ from mcsim.scenario.place import Place
 from mcsim.scenario.response import Response
 from mcsim.scenario.run import Outputs
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
+from mcsim.scenario.temperature import Temperature
 from mcsim.systems.velocity.profiles import StraightRun
 from mcsim.systems.velocity.profiles.profile import LONGEST
 
@@ -89,6 +90,9 @@ class RawAccelerometer(Block):
     rest and go on through all its runs."""
     noise: Axes | None = None
     """Standard deviation of one raw sample, u(am); replaces the accelerometer's noise density."""
+    temperature: Temperature | None = None
+    """Of the sensor, less that of its calibration; begins with the rest, and goes on through all
+    runs of a group."""
     sampling: Literal["average", "none"] = "average"
     """A sample is the mean over the interval that begins with it, or the momentary value just
     after it."""
@@ -122,6 +126,15 @@ class RawAccelerometer(Block):
             raise reject(
                 f"{source}no noise is given; write `noise: {{x: 3.8e-3 g, y: 3.0e-3 g, z: 4.9e-3 "
                 "g}`, the deviation of one sample, or an `accelerometer` with a `noise_density`"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _senses_gravity(self) -> RawAccelerometer:
+        if self.terms.ac_coupled:
+            raise reject(
+                "behind an `ac_coupling` no gravity is left, from which the initial tilt is taken; "
+                "remove it"
             )
         return self
 
