@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 #: Of Welch's segments the clusters may last this part.
 _OF_SEGMENT = 0.2
 _FEWEST_SAMPLES = 16
+#: Clusters below which the total deviation knows more than the overlapping Allan deviation.
+_FEW_CLUSTERS = 20
 #: Exponent of a density at and below which its Allan variance is infinite.
 _STEEPEST = -3.0
 
@@ -196,27 +198,22 @@ def local_exponents(curve: DeviationCurve) -> NDArray[np.int64]:
 
 def degrees(curve: DeviationCurve, samples: int) -> Array:
     """Equivalent degrees of freedom (k,) of each point, for the noise that rules there."""
-    kind = DEVIATIONS[curve.kind]
-    exponents = local_exponents(curve)
-    if curve.kind == "totdev":
-        return np.array(
-            [
-                freedom_of_total(int(alpha), samples / m)
-                for alpha, m in zip(exponents, curve.factors, strict=True)
-            ]
-        )
-    return np.array(
-        [
-            degrees_of_freedom(
-                int(alpha),
-                kind.order,
-                int(m),
-                samples + 1,
-                modified=kind.modified,
-                overlapping=kind.overlapping,
-            )
-            for alpha, m in zip(exponents, curve.factors, strict=True)
-        ]
+    pairs = zip(local_exponents(curve).tolist(), curve.factors.tolist(), strict=True)
+    return np.array([_degrees(curve.kind, alpha, m, samples) for alpha, m in pairs])
+
+
+def _degrees(name: str, alpha: int, m: int, samples: int) -> float:
+    kind = DEVIATIONS[name]
+    if name == "totdev" and samples < _FEW_CLUSTERS * m:
+        return freedom_of_total(alpha, samples / m)
+    # Of many clusters the total variance is the overlapping one.
+    return degrees_of_freedom(
+        alpha,
+        kind.order,
+        m,
+        samples + 1,
+        modified=kind.modified,
+        overlapping=kind.overlapping,
     )
 
 

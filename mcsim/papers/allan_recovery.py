@@ -141,32 +141,40 @@ def static_log(
 
 def recovered(hours: float = HOURS, rate: float = RATE, seed: int = 1) -> Iterator[Recovered]:
     """Simulate a log of every axis of the tables, and fit it."""
+    for i, sensor in enumerate(SENSORS):
+        for k, truth in enumerate(printed_coefficients(sensor).T):
+            yield from _of_axis(sensor, k, truth, (hours, rate, 1000 * seed + 10 * i + k))
+
+
+def _of_axis(
+    sensor: str, k: int, truth: Array, test: tuple[float, float, int]
+) -> Iterator[Recovered]:
+    """One axis; the test is the length of its log (h), its rate (Hz) and a seed."""
     from mcsim.characterisation import allan_curve, fit_noise
     from mcsim.characterisation.expected_errors import relative_error
     from mcsim.characterisation.noise_terms import flicker, random_walk, white
     from mcsim.characterisation.read_offs import reading_of
 
+    hours, rate, seed = test
     duration = 3600.0 * hours
-    for i, sensor in enumerate(SENSORS):
-        for k, (axis, truth) in enumerate(zip(AXES, printed_coefficients(sensor).T, strict=True)):
-            white_n, instability, walk = truth
-            own_seed = 1000 * seed + 10 * i + k
-            log = static_log(white_n, instability, walk, rate, duration, own_seed)
-            fit = fit_noise(allan_curve(log, rate), (0.0, duration), intervals="covariance")
-            terms = [make(c) for make, c in zip((white, flicker, random_walk), truth, strict=True)]
-            for term, value in zip(terms, truth, strict=True):
-                name = term.letter
-                tau = reading_of(term, terms, 1.0 / rate, _READ).tau
-                yield Recovered(
-                    sensor,
-                    axis,
-                    name,
-                    float(value),
-                    PRINTED_ERRORS[sensor][name][k] / _in_unit(value, name),
-                    fit[name],
-                    tau,
-                    relative_error(duration / tau),
-                )
+    n, b, walk = truth.tolist()
+    log = static_log(n, b, walk, rate, duration, seed)
+    fit = fit_noise(allan_curve(log, rate), (0.0, duration), intervals="covariance")
+    terms = [white(n), flicker(b), random_walk(walk)]
+    for term in terms:
+        name, value = term.letter, term.coefficient
+        error = PRINTED_ERRORS[sensor][name][k] / _in_unit(value, name)
+        tau = reading_of(term, terms, 1.0 / rate, _READ).tau
+        yield Recovered(
+            sensor,
+            AXES[k],
+            name,
+            value,
+            error,
+            fit[name],
+            tau,
+            relative_error(duration / tau),
+        )
 
 
 def _in_unit(value: float, term: str) -> float:
