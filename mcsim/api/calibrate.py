@@ -1,19 +1,36 @@
-"""``mcsim.calibrate``: the six-position test of an accelerometer, measured or simulated."""
+"""``mcsim.calibrate``: an accelerometer from its positions at rest, measured or simulated."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from mcsim.api.found import Found
-from mcsim.calibration import SixPositionFit, SixPositions, read_six_positions
+from mcsim.calibration import (
+    NormFit,
+    RestPositions,
+    SixPositionFit,
+    SixPositions,
+    calibrate_by_norm,
+    calibrate_weighted,
+    find_rests,
+    read_positions,
+    read_six_positions,
+)
 from mcsim.calibration import calibrate as fit_of
-from mcsim.calibration.simulated import is_scenario, simulated_test, velocity_scenario
+from mcsim.calibration.norm_words import norm_residual_table, norm_words
+from mcsim.calibration.simulated import (
+    is_scenario,
+    simulated_positions,
+    simulated_test,
+    velocity_scenario,
+)
 from mcsim.calibration.tables import parameter_table, residual_table, scenario_block
 from mcsim.calibration.words import calibration_words
 from mcsim.errors import InputError, UnitError
+from mcsim.logs import ReadOptions
 from mcsim.provenance import provenance_of
 from mcsim.report import Report
 from mcsim.units import KINDS, parse
@@ -22,6 +39,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _LARGEST_ANGLE = 0.2
+#: How the positions are given: the six by their names, any, or as the rests of one log.
+Positions = Literal["six", "arbitrary", "rests"]
 
 
 @dataclass(frozen=True)
@@ -30,13 +49,13 @@ class Calibration(Found):
 
     Attributes
     ----------
-    fit : mcsim.calibration.SixPositionFit
+    fit : mcsim.calibration.SixPositionFit or mcsim.calibration.NormFit
         ``matrix`` (3, 3), ``bias`` (3,) in fractions of g, ``correction`` (3, 3), uncertainties.
     origin : mapping
         Where it comes from: the provenance of its files.
     """
 
-    fit: SixPositionFit
+    fit: SixPositionFit | NormFit
     origin: Mapping[str, Any]
 
     @property
@@ -46,7 +65,9 @@ class Calibration(Found):
 
     @property
     def residuals(self) -> pd.DataFrame:
-        """Residuals of the equations (g) by repetition and position."""
+        """Residuals of the equations (g) by repetition and position; norms less one."""
+        if isinstance(self.fit, NormFit):
+            return norm_residual_table(self.fit)
         return residual_table(self.fit)
 
     @property
@@ -57,6 +78,8 @@ class Calibration(Found):
     @property
     def words(self) -> str:
         """Where the uncertainties come from."""
+        if isinstance(self.fit, NormFit):
+            return norm_words(self.fit)
         return calibration_words(self.fit)
 
     def report(self) -> Report:
@@ -68,30 +91,52 @@ class Calibration(Found):
         )
 
 
+@dataclass(frozen=True)
+class SimulatedTest:
+    """How the test of a velocity scenario's sensor is simulated.
+
+    ``samples`` per position; of six positions how often the test is made, and the deviation of
+    each position's angles; of arbitrary ones how many there are.
+    """
+
+    samples: int = 1000
+    repetitions: int = 2
+    alignment: str = "0.1 °"
+    count: int = 24
+    seed: int = 1
+
+
 def calibrate(
     file: str | Path,
     *,
-    samples: int = 1000,
-    repetitions: int = 2,
-    alignment: str = "0.1 °",
-    seed: int = 1,
+    positions: Positions = "six",
+    weighted: bool = False,
+    simulated: SimulatedTest | None = None,
+    rate: float | None = None,
+    shortest_rest: float = 2.0,
     tell: Callable[[str], None] | None = None,
+    **simulation: Any,
 ) -> Calibration:
-    """Calibrate an accelerometer by a six-position test.
+    """Calibrate an accelerometer by six positions, or by arbitrary ones at rest.
 
     Parameters
     ----------
     file : path
-        A CSV with the columns position (+x, -x … -z), x, y, z (g, or the unit in brackets) and
-        perhaps repetition; or a velocity scenario (YAML), the test of whose sensor is simulated.
-    samples, repetitions : int
-        Simulation: samples per position, and how often the test is made.
-    alignment : str
-        Simulation: standard deviation of each position's angles, with its unit.
-    seed : int
-        Of the simulation.
+        A CSV with the columns x, y, z (g, or the unit in brackets) and position (+x, -x … -z;
+        any names where positions are arbitrary), perhaps repetition; a log in which the sensor
+        rests in many positions; or a velocity scenario (YAML), the test of whose sensor is
+        simulated.
+    positions : "six", "arbitrary" or "rests"
+        The six along the axes; any ten or more, by the norm of gravity; those in one log.
+    weighted : bool
+        Of six: each position's mean weighted by its own uncertainty.
+    simulated : SimulatedTest, optional
+        How a scenario's test is simulated; its values may be given as keywords too: ``samples``,
+        ``repetitions``, ``alignment``, ``count``, ``seed``.
+    rate, shortest_rest : float
+        Of a log: Hz where it has no time; the shortest rest that counts (s).
     tell : callable, optional
-        Hears what was noticed about a CSV.
+        Hears what was noticed about a file.
 
     Returns
     -------
@@ -102,20 +147,65 @@ def calibrate(
     Raises
     ------
     InputError
-        A file that cannot be read or is no such test, or an angle that is none.
+        A file that cannot be read or is no such test, positions that cover too little, weights
+        that nothing tells, or an angle that is none.
     """
-    path, simulated = Path(file), is_scenario(Path(file))
-    test: SixPositions
-    options: dict[str, Any] = {}
-    if simulated:
-        test = simulated_test(
-            velocity_scenario(path), samples, repetitions, _angle(alignment), seed
-        )
-        options = {"samples": samples, "repetitions": repetitions, "alignment": alignment}
+    path, test = Path(file), replace(simulated or SimulatedTest(), **simulation)
+    if weighted and positions != "six":
+        raise InputError("--weighted: belongs to six positions; others are always weighted")
+    is_simulated = is_scenario(path)
+    options: dict[str, Any] = {"positions": positions} if positions != "six" else {}
+    if is_simulated:
+        options |= _told(test, positions)
+    if weighted:
+        options["weighted"] = True
+    fit: SixPositionFit | NormFit
+    if positions == "six":
+        six = _six(path, test) if is_simulated else read_six_positions(path, tell)
+        fit = calibrate_weighted(six) if weighted else fit_of(six)
     else:
-        test = read_six_positions(path, tell)
-    origin = provenance_of("calibrate", [path], options, seed if simulated else None)
-    return Calibration(fit_of(test), origin)
+        if positions == "rests":
+            options |= {"rate": rate, "shortest_rest": shortest_rest}
+        fit = _by_norm(path, positions, test, ReadOptions(rate=rate), shortest_rest, tell)
+    origin = provenance_of("calibrate", [path], options, test.seed if is_simulated else None)
+    return Calibration(fit, origin)
+
+
+def _told(test: SimulatedTest, positions: Positions) -> dict[str, Any]:
+    if positions == "six":
+        return {
+            "samples": test.samples,
+            "repetitions": test.repetitions,
+            "alignment": test.alignment,
+        }
+    return {"samples": test.samples, "count": test.count}
+
+
+def _six(path: Path, test: SimulatedTest) -> SixPositions:
+    return simulated_test(
+        velocity_scenario(path), test.samples, test.repetitions, _angle(test.alignment), test.seed
+    )
+
+
+def _by_norm(
+    path: Path,
+    positions: Positions,
+    test: SimulatedTest,
+    options: ReadOptions,
+    shortest_rest: float,
+    tell: Callable[[str], None] | None,
+) -> NormFit:
+    found: RestPositions
+    if is_scenario(path):
+        found = simulated_positions(velocity_scenario(path), test.count, test.samples, test.seed)
+    elif positions == "rests":
+        found = find_rests(path, shortest_rest, options, tell)
+    else:
+        found = read_positions(path, tell)
+    try:
+        return calibrate_by_norm(found)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
 
 
 def _angle(text: str) -> float:

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 #: The sum over the autocorrelation stops within this share of a position's samples.
 _LONGEST_LAG = 0.25
+#: Samples of a position from which on their own scatter is its weight.
+FEWEST_OF_ITS_OWN = 10
 
 
 @dataclass(frozen=True)
@@ -86,3 +88,16 @@ def _inflation(series: Sequence[Array]) -> tuple[float, int]:
             1.0 - (2.0 * last + 1.0) * lowered, 0.25
         )
     return max(gain, 1.0), last
+
+
+def own_variances(
+    positions: Sequence[Array], scatter: SampleScatter | None, shape: tuple[int, ...]
+) -> Array | None:
+    """Variance of each position's mean by its own samples, in an array of ``shape``.
+
+    Samples are as correlated as in all positions together.  None where one has fewer than ten.
+    """
+    if scatter is None or min(map(len, positions)) < FEWEST_OF_ITS_OWN:
+        return None
+    variances = [np.var(s, axis=0, ddof=1) * scatter.inflation / len(s) for s in positions]
+    return np.array(variances).reshape(shape)

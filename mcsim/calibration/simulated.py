@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mcsim.calibration.norm import RestPositions, simulate_rest_positions
 from mcsim.calibration.shaker import LinearityFit, cubic_of, linearity, simulate_shaker
 from mcsim.calibration.six_positions import SixPositions, simulate_six_positions
 from mcsim.errors import InputError
@@ -63,6 +64,20 @@ def simulated_test(
         samples,
         repetitions,
         alignment,
+        np.random.default_rng(seed),
+    )
+
+
+def simulated_positions(
+    model: VelocityScenario, count: int, samples: int, seed: int
+) -> RestPositions:
+    """Rests of a scenario's sensor in ``count`` positions at random, ``samples`` in each."""
+    return simulate_rest_positions(
+        *correction_of(model.calibration),
+        raw_noise(model),
+        count,
+        samples,
+        0.0,
         np.random.default_rng(seed),
     )
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mcsim.calibration.columns import read_columns
 from mcsim.calibration.estimate import Estimate
-from mcsim.calibration.scatter import SampleScatter, sample_scatter
+from mcsim.calibration.scatter import SampleScatter, own_variances, sample_scatter
 from mcsim.calibration.uncertainty import DESIGN, SOLVE, Uncertainties, uncertainties
 from mcsim.errors import InputError
 from mcsim.systems.velocity.samples import raw_output_of
@@ -41,12 +41,14 @@ class SixPositions:
 
     ``means`` (r, 6, 3): positions in the order of ``POSITIONS``, axes x, y, z; ``scatter`` is
     what the samples' own scatter tells, None where each position is one row; ``counts`` (r, 6)
-    are the samples behind each mean, one where absent.
+    are the samples behind each mean, one where absent.  ``own`` (r, 6, 3) are the variances of
+    the means by each position's own samples, None where a position has too few.
     """
 
     means: Array
     scatter: SampleScatter | None = None
     counts: NDArray[np.int64] | None = None
+    own: Array | None = None
 
     @property
     def samples(self) -> NDArray[np.int64]:
@@ -128,7 +130,8 @@ def read_six_positions(path: Path, tell: Callable[[str], None] | None = None) ->
         position = _SPELLINGS.get(text, text)
         if position not in POSITIONS:
             raise InputError(
-                f'{table.where(row)}: position: "{given}" is not one of {", ".join(POSITIONS)}'
+                f'{table.where(row)}: position: "{given}" is not one of {", ".join(POSITIONS)}; '
+                "positions of other directions need --positions arbitrary"
             )
         if max(map(abs, values)) > _LARGEST_OUTPUT:
             raise InputError(
@@ -150,7 +153,8 @@ def read_six_positions(path: Path, tell: Callable[[str], None] | None = None) ->
     _check_positions(path, means)
     rows = [np.array(by_position[p]) for by_position in samples.values() for p in POSITIONS]
     counts = np.array([len(r) for r in rows]).reshape(means.shape[:2])
-    return SixPositions(means, sample_scatter(rows), counts)
+    scatter = sample_scatter(rows)
+    return SixPositions(means, scatter, counts, own_variances(rows, scatter, means.shape))
 
 
 def _check_positions(path: Path, means: Array) -> None:
@@ -184,7 +188,7 @@ def calibrate(test: SixPositions) -> SixPositionFit:
     means = test.means
     parameters = SOLVE @ means.mean(axis=0)
     matrix, bias = parameters[:3].T, parameters[3]
-    correction = _inverse(matrix)
+    correction = inverse(matrix)
     return SixPositionFit(
         matrix=matrix,
         bias=bias,
@@ -196,7 +200,7 @@ def calibrate(test: SixPositions) -> SixPositionFit:
     )
 
 
-def _inverse(matrix: Array) -> Array:
+def inverse(matrix: Array) -> Array:
     if np.linalg.cond(matrix) > 100.0:
         raise InputError(
             "the six positions give a singular matrix: two axes respond alike; "

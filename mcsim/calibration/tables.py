@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mcsim.calibration.norm import NormFit
 from mcsim.calibration.shaker import LinearityFit
 from mcsim.calibration.six_positions import AXES, POSITIONS, SixPositionFit
 
@@ -11,12 +12,12 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def parameter_table(fit: SixPositionFit) -> pd.DataFrame:
+def parameter_table(fit: SixPositionFit | NormFit) -> pd.DataFrame:
     """Matrix and bias: estimate, uncertainty, degrees of freedom, coverage factor."""
     import pandas as pd
 
     repeated: dict[str, float] = {}
-    if fit.repeatability is not None:
+    if isinstance(fit, SixPositionFit) and fit.repeatability is not None:
         corrections, biases = fit.repeatability
         for i, a in enumerate(AXES):
             repeated[f"b{a}"] = float(biases[i])
@@ -69,12 +70,21 @@ def linearity_table(fit: LinearityFit) -> pd.DataFrame:
     )
 
 
-def scenario_block(fit: SixPositionFit) -> str:
+#: What is said of the frame of a correction that only norms tell.
+_FRAME = (
+    "# Only norms were measured: L is symmetric, in the frame turned least from the sensor's axes.",
+)
+
+
+def scenario_block(fit: SixPositionFit | NormFit) -> str:
     """The ``calibration`` block of a velocity scenario."""
+    six = isinstance(fit, SixPositionFit)
+    test = "a six-position test" if six else "arbitrary positions at rest"
     lines = [
-        "# Correction ac = L (am - B) of a six-position test. Uncertainties are k u / 1.96, the",
+        f"# Correction ac = L (am - B) of {test}. Uncertainties are k u / 1.96, the",
         "# deviation of a normal distribution with the 95 % interval of Student's t; comments tell",
         "# the standard uncertainty u, its degrees of freedom, and k.",
+        *(() if six else _FRAME),
         "calibration:",
     ]
     for name, e in fit.estimates().items():

@@ -62,7 +62,7 @@ class Uncertainties:
 
 
 @dataclass(frozen=True)
-class _Part:
+class Part:
     """A variance (3, 4) of the parameters that comes from one estimate.
 
     ``spread`` (3, 4) is the variance of that variance.
@@ -108,11 +108,23 @@ def uncertainties(
     noise, position, components = parts
     if changing:
         components.append(_between(fits, components, changing))
+    return of_parts(components, matrix, noise, position, fixture, changing)
+
+
+def of_parts(
+    components: list[Part],
+    matrix: Array,
+    noise: Array,
+    position: Array,
+    fixture: bool,
+    changing: tuple[str, ...],
+) -> Uncertainties:
+    """Uncertainties of M0, B and the correction from the parts of M0's and B's variance."""
     u, freedom = _combined(components)
     # dL = -L dM L, and elements of M err independently, as their rows share no position.
     inverse = np.linalg.inv(matrix)
     through = [
-        _Part(
+        Part(
             inverse**2 @ part.variance[:, :3] @ inverse**2,
             inverse**4 @ part.spread[:, :3] @ inverse**4,
         )
@@ -136,7 +148,7 @@ def _from_samples(
     scale: Array,
     tests: int,
     joint: bool,
-) -> tuple[Array, Array, list[_Part]]:
+) -> tuple[Array, Array, list[Part]]:
     """Parts from the samples' noise and from the positions, whose scatter all axes share.
 
     In units of the acceleration, a position's misalignment is alike in all directions.
@@ -156,15 +168,15 @@ def _from_samples(
     )
     of_noise = 2.0 * expected**2 / scatter.freedom
     spread = float(weight**2 @ (2.0 * squares + of_noise)) / per_unit**2
-    spread *= _cut_at_zero(position / np.sqrt(spread)) if spread > 0.0 else 0.0
-    parts = [_Part(_of(noise, k), 2.0 * _of(noise, k) ** 2 / scatter.freedom[k]) for k in range(3)]
+    spread *= cut_at_zero(position / np.sqrt(spread)) if spread > 0.0 else 0.0
+    parts = [Part(_of(noise, k), 2.0 * _of(noise, k) ** 2 / scatter.freedom[k]) for k in range(3)]
     # Taken for upright positions too: noise too slow for the samples to show acts there.
     by_position = np.outer(scale**2, np.sum(SOLVE**2, axis=1)) / tests
-    parts.append(_Part(by_position * position, by_position**2 * spread))
+    parts.append(Part(by_position * position, by_position**2 * spread))
     return np.sqrt(noise.mean(axis=(0, 1))), np.sqrt(position) * scale, parts
 
 
-def _cut_at_zero(mean: float) -> float:
+def cut_at_zero(mean: float) -> float:
     """Variance of a normal quantity of unit deviation that is cut off below zero."""
     from scipy.special import ndtr
 
@@ -180,7 +192,7 @@ def _of(noise: Array, axis: int) -> Array:
     return result
 
 
-def _from_residuals(residuals: Array, tests: int, joint: bool) -> tuple[Array, Array, list[_Part]]:
+def _from_residuals(residuals: Array, tests: int, joint: bool) -> tuple[Array, Array, list[Part]]:
     """Parts from the residuals alone, axis by axis, since their noise may differ.
 
     A position that misses the vertical by a small angle changes the outputs of the two level
@@ -198,7 +210,7 @@ def _from_residuals(residuals: Array, tests: int, joint: bool) -> tuple[Array, A
         variance = float(np.sum(residuals[:, level, axis] ** 2)) / expected
         own = np.zeros((3, 4))
         own[axis] = variance * np.sum(SOLVE**2, axis=1) / tests
-        parts.append(_Part(own, 2.0 * own**2 / freedom))
+        parts.append(Part(own, 2.0 * own**2 / freedom))
         position[axis] = np.sqrt(variance)
     return np.full(3, np.nan), position, parts
 
@@ -217,7 +229,7 @@ def _traces(variances: Array, joint: bool) -> tuple[float, float]:
     return expected, squares + float(np.einsum("rp,pq,rq->", own, _HAT**2, own))
 
 
-def _combined(parts: list[_Part]) -> tuple[Array, Array]:
+def _combined(parts: list[Part]) -> tuple[Array, Array]:
     """Standard uncertainties and effective degrees of freedom, JCGM 100, Eq. (G.2b)."""
     variance = np.sum([part.variance for part in parts], axis=0)
     spread = np.sum([part.spread for part in parts], axis=0)
@@ -226,13 +238,13 @@ def _combined(parts: list[_Part]) -> tuple[Array, Array]:
     return np.sqrt(variance), np.where(known, np.maximum(freedom, _FEWEST), np.inf)
 
 
-def _between(fits: Array, parts: list[_Part], changing: tuple[str, ...]) -> _Part:
+def _between(fits: Array, parts: list[Part], changing: tuple[str, ...]) -> Part:
     """What the parameters' own scatter over the repetitions adds."""
     n = len(fits)
     type_a = fits.var(axis=0, ddof=1) / n
     own = np.sum([part.variance for part in parts], axis=0)
     changes = np.array(["matrix" in changing] * 3 + ["bias" in changing])
-    return _Part(
+    return Part(
         np.where(changes, np.maximum(type_a - own, 0.0), 0.0),
         np.where(changes, 2.0 * type_a**2 / (n - 1), 0.0),
     )

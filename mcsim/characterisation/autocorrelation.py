@@ -61,7 +61,10 @@ def autocorrelation_of(
     places = _places(shortest, len(correlation) - 1)
     band = _NORMAL * np.sqrt((2.0 * squares[places - 1] - 1.0) / n)
     return Autocorrelation(
-        places * interval, np.asarray(correlation[places]), np.asarray(band), float(covariance[0])
+        np.asarray(places * interval, float),
+        np.asarray(correlation[places]),
+        np.asarray(band),
+        float(covariance[0]),
     )
 
 

@@ -18,8 +18,10 @@ from mcsim.logs.timing import HIGHEST_RATE, LOWEST_RATE, Spacing, check_stamps, 
 from mcsim.units import KINDS
 
 
-def read_log(path: Path, options: ReadOptions | None = None) -> Log:
+def read_log(path: Path, options: ReadOptions | None = None, at_rest: bool = True) -> Log:
     """Read a static log of any format that ``LOG_FORMATS`` lists.
+
+    Where the sensor is not ``at_rest`` in one position, its mean says nothing of its unit.
 
     Raises
     ------
@@ -34,10 +36,10 @@ def read_log(path: Path, options: ReadOptions | None = None) -> Log:
             f"--rate {options.rate:g} Hz: must lie between {LOWEST_RATE:g} Hz and "
             f"{HIGHEST_RATE:g} Hz"
         )
-    return _log_of(path, read_table(path, options), options)
+    return _log_of(path, read_table(path, options), options, at_rest)
 
 
-def _log_of(path: Path, table: Table, options: ReadOptions) -> Log:
+def _log_of(path: Path, table: Table, options: ReadOptions, at_rest: bool) -> Log:
     where = str(path)
     values = dict(table.values)
     spacing = _spacing(values, options, where)
@@ -46,7 +48,8 @@ def _log_of(path: Path, table: Table, options: ReadOptions) -> Log:
         if name in values:
             _refuse_beyond_use(values[name], element, name, where)
             channels.append(Channel(element, axis, spacing.apply(values[name])))
-    gravity = check_gravity(channels, *table.units.get(ACCELEROMETER, ("m/s²", 1.0)), where)
+    unit = table.units.get(ACCELEROMETER, ("m/s²", 1.0))
+    gravity = check_gravity(channels, *unit, where) if at_rest else None
     notes = [*spacing.timing.notes, *([gravity] if gravity else [])]
     return Log(path, tuple(channels), spacing.timing, tuple(notes), table.notes)
 
