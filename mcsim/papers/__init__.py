@@ -155,6 +155,7 @@ FIGURES: Registry[PaperFigure] = Registry(
         "12": "mcsim.papers.velocity_figures:FIGURE_12",
         "13": "mcsim.papers.velocity_figures:FIGURE_13",
         "14": "mcsim.papers.velocity_figures:FIGURE_14",
+        "braking": "mcsim.papers.braking:FIGURE",
         "repeated-runs": "mcsim.papers.repeated_runs:FIGURE",
         "strapdown": "mcsim.papers.shipped_sweeps:STRAPDOWN",
         "velocity": "mcsim.papers.shipped_sweeps:VELOCITY",
