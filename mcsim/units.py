@@ -88,6 +88,8 @@ _GRADIENT = {
 }
 _ROOT_HERTZ = {"√Hz": 1.0}
 _ROOT_TIME = {"√s": 1.0, "√h": 60.0}
+#: Data sheets write a change per degree Celsius, which is the same.
+_KELVIN = {"K": 1.0, "°C": 1.0}
 #: Slow drifts: units of biases and their instability that no noise density is written in.
 _DRIFT = {"m/s/h": 1.0 / 3600.0, "Gal": 1e-2, "mGal": 1e-5}
 #: The same rate of change per square root of time in three notations: ``K`` of IEEE Std 952.
@@ -157,6 +159,24 @@ _KINDS = (
             "rad/s/(m/s²)": 1.0,
         },
         "0.1 °/s/g",
+    ),
+    Kind(
+        "acceleration per kelvin",
+        "an",
+        "m/s²/K",
+        _per(_ACCELERATION, _KELVIN),
+        "0.5 mg/K",
+    ),
+    Kind("angular rate per kelvin", "an", "rad/s/K", _per(_RATE, _KELVIN), "0.03 °/s/K"),
+    Kind("ratio per kelvin", "a", "1/K", _per({"%": 1e-2, "ppm": 1e-6}, _KELVIN), "0.01 %/K"),
+    # A temperature in °C is none: 20 °C may be meant as 293 K.
+    Kind("temperature difference", "a", "K", {"K": 1.0, "mK": 1e-3}, "20 K"),
+    Kind(
+        "temperature rate",
+        "a",
+        "K/s",
+        _per({"K": 1.0}, {"s": 1.0, "min": 60.0, "h": 3600.0}),
+        "2 K/min",
     ),
     Kind("jerk", "a", "m/s³", {"m/s³": 1.0, "g/s": STANDARD_GRAVITY}, "1 m/s³"),
     Kind("rotational speed", "a", "Hz", {"rpm": 1.0 / 60.0, "Hz": 1.0}, "800 rpm"),

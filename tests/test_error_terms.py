@@ -7,8 +7,9 @@ import pytest
 
 import mcsim
 from mcsim import InputError
+from mcsim.sensor_terms.mechanisms.low_pass import LowPass
 from mcsim.sensors.coloured import after_calibration, folded, innovations_of
-from mcsim.sensors.low_pass import behind_low_pass
+from mcsim.sensors.filters import behind_filters
 from tests.conftest import ALL_ERRORS, NO_NOISE, problem, processes_of, scenario
 
 INTERVAL = 0.01
@@ -281,7 +282,8 @@ def test_low_pass_has_the_gain_and_the_delay_of_first_order():
         return np.stack([np.cos(2 * np.pi * frequency * t), t, np.ones_like(t)])
 
     t = np.linspace(0.0, 2.0, 500)
-    after = behind_low_pass(signals, (cut_off, cut_off, math.inf), 0.0, 100.0, 300)(t, 0.0)
+    slow = (LowPass(cut_off),)
+    after = behind_filters(signals, (slow, slow, ()), 0.0, 100.0, 300)(t, 0.0)
     response = 1.0 / (1.0 + 1j * frequency / cut_off)
     expected = np.real(response * np.exp(2j * np.pi * frequency * t))
     np.testing.assert_allclose(after[0], expected, atol=2e-3)

@@ -20,11 +20,11 @@ from mcsim.scenario.paths import find_scalar
 from mcsim.scenario.sensor_file import SensorFile
 from mcsim.scenario.validation import validate
 from mcsim.scenario_file.schema import scenario_schema
-from mcsim.sensor_terms import RESERVED, TERMS
+from mcsim.sensor_terms import RESERVED, TERMS, temperature
 from mcsim.sensor_terms.channel import SIGNALS
 from mcsim.sensor_terms.mechanisms import event
 from mcsim.sensor_terms.mechanisms.digitise import Quantisation, Saturation, digitised
-from mcsim.sensor_terms.mechanisms.low_pass import LowPass
+from mcsim.sensor_terms.mechanisms.linear_filter import LinearFilter
 from mcsim.sensor_terms.term import check
 from mcsim.sensors.simulated_log import SimulatedLog
 from mcsim.systems.planar.scenario import PlanarScenario
@@ -38,6 +38,11 @@ EXAMPLES = Path(__file__).parents[1] / "docs" / "examples"
 #: Values where the example of a kind of quantity is not a fair one.
 VALUES = {
     "spikes.rate": "10 Hz",
+    "quadratic_nonlinearity.full_scale": {"acceleration": "20 m/s²", "angular rate": "100 °/s"},
+    "cubic_nonlinearity.full_scale": {"acceleration": "20 m/s²", "angular rate": "100 °/s"},
+    "resonance.natural_frequency": "40 Hz",
+    "resonance.damping": "30 %",
+    "ac_coupling": "0.2 Hz",
     "gauss_markov.correlation_time": "0.3 s",
     "acceleration_random_walk": "1e-2 m/s²/√s",
     "rate_random_walk": "0.02 °/s/√s",
@@ -47,8 +52,10 @@ VALUES = {
 }
 PAIRS = [(e, term) for term in TERMS.values() for e in SIGNALS if term.keys(e)]
 OF_ELEMENT = [pytest.param(*pair, id=f"{pair[0]} {pair[1].name}") for pair in PAIRS]
+#: A course of the temperature, without which some terms have no effect.
+WARM = {"sensors.temperature": {"difference": "8 K", "ramp": "60 K/min"}}
 #: Terms by which a sensor errs the same way each time.
-CERTAIN = (Saturation, LowPass)
+CERTAIN = (Saturation, LinearFilter)
 
 
 def text_of(element, path, key):
@@ -79,7 +86,13 @@ def overrides(element, written):
     blocks = {f"sensors.{element}.{key}": value for key, value in tree.items()}
     if is_noise(written, f"sensors.{element}.", element):
         blocks = {f"sensors.{element}": tree}
+    if any(key.name in written for key in temperature_keys(element)):
+        blocks |= WARM
     return {**quiet, **blocks}
+
+
+def temperature_keys(element):
+    return [key for term in temperature.TERMS for key in term.keys(element)]
 
 
 def is_noise(written, path, element):
@@ -284,7 +297,8 @@ def of_log(p, element, count=REALIZATIONS):
         resolutions=many(errors.resolutions),
         spike_rates=many(errors.spike_rates),
         spike_amplitudes=many(errors.spike_amplitudes),
-        bandwidths=(math.inf,) * count,  # the kernel's signals are behind it
+        filters=((),) * count,  # the kernel's signals are behind them
+        columns=(),  # and hold these
     )
     signals = np.hstack([np.repeat(p.signals[:, [k]], count, axis=1), p.signals])
     return SimulatedLog(tiled, 5).measure(signals)[first:] - p.signals[first:, [k]]
@@ -319,7 +333,7 @@ def test_kernels_and_simulated_logs_measure_alike(element, term):
         p = conftest.problem({**BRAKING, **overrides(element, written)})
         measured, log = of_kernel(p, element), of_log(p, element)
         assert measured.shape == log.shape
-        if isinstance(validated(element, written).acts_on(0)[term.name], LowPass):
+        if isinstance(validated(element, written).acts_on(0)[term.name], LinearFilter):
             np.testing.assert_allclose(measured, log, atol=1e-9)
             continue
         assert distance(measured, log) < 5.0

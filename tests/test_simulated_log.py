@@ -15,11 +15,12 @@ from mcsim.scenario.validation import validate
 from mcsim.sensor_terms.bias_instability import flicker, flicker_processes
 from mcsim.sensor_terms.channel import Channel
 from mcsim.sensor_terms.gauss_markov import drift
-from mcsim.sensor_terms.mechanisms.low_pass import low_pass
+from mcsim.sensor_terms.mechanisms.linear_filter import log_filter
+from mcsim.sensor_terms.mechanisms.low_pass import LowPass
 from mcsim.sensor_terms.mechanisms.process import in_run_noise, processes_of
 from mcsim.sensor_terms.random_walk import walk
 from mcsim.sensors.error_model import element_errors
-from mcsim.sensors.low_pass import behind_low_pass
+from mcsim.sensors.filters import behind_filters
 from mcsim.sensors.simulated_log import SimulatedLog
 
 FLOOR = math.sqrt(2 * math.log(2) / math.pi)
@@ -270,7 +271,7 @@ def test_low_pass_is_scipys_of_straight_lines_between_the_samples():
     tau = 1 / (2 * np.pi * 12.0)
     numerator, denominator, _ = cont2discrete(([1.0], [tau, 1.0]), 1 / RATE, method="foh")
     theirs = lfilter(numerator.ravel(), denominator, signal)
-    ours = low_pass((12.0,), RATE)(signal[:, None])[:, 0]
+    ours = log_filter(((LowPass(12.0),),), RATE)(signal[:, None])[:, 0]
     np.testing.assert_allclose(ours, theirs, atol=1e-12)
     assert np.abs(ours - lfilter(*butter(1, 12.0, fs=RATE), signal)).max() > 0.01
 
@@ -282,9 +283,10 @@ def test_a_drives_low_pass_is_that_of_a_log():
     def tone(t):
         return np.cos(2 * np.pi * frequency * t)
 
-    driven = behind_low_pass(lambda t, _: tone(t)[None], (cut_off,), 0.0, RATE, count)
+    own = ((LowPass(cut_off),),)
+    driven = behind_filters(lambda t, _: tone(t)[None], own, 0.0, RATE, count)
     times = np.arange(count * dense) / (RATE * dense)
-    log = low_pass((cut_off,), RATE * dense)(tone(times)[:, None])[::dense, 0]
+    log = log_filter(own, RATE * dense)(tone(times)[:, None])[::dense, 0]
     late = np.arange(count) > 50
     behind = driven(times[::dense], 0.0)[0]
     np.testing.assert_allclose(log[late], behind[late], atol=2e-3)

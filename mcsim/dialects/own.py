@@ -29,7 +29,7 @@ CONVENTION = (
 )
 
 #: Kinds whose SI unit has no sign of its own.
-_SI = {"ratio": "ppm"}
+_SI = {"ratio": "ppm", "ratio per kelvin": "ppm/K"}
 _DATA_SHEET = {
     "acceleration noise density": "µg/√Hz",
     "angular rate noise density": "°/s/√Hz",

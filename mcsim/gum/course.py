@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from mcsim.engine import point_key
 from mcsim.estimation import LOOKED_AT, limit_texts
-from mcsim.gum.budget import correction
-from mcsim.gum.propagation import step_sensitivities, tilt_sensitivities
+from mcsim.gum.budget import known_of
+from mcsim.gum.propagation import step_variances, summed
 from mcsim.systems.velocity.linear import calibration_pushes
 from mcsim.systems.velocity.problem import VelocityProblem
-from mcsim.systems.velocity.raw_output import raw_noise
 from mcsim.systems.velocity.scenario import VelocityScenario
 from mcsim.systems.velocity.sources import SENSOR_TERMS, acting_alone
 
@@ -39,7 +38,8 @@ class Course:
     (``stamps`` or independent intervals).  ``by_acceleration`` is what the errors of the
     calibration would make of the velocity if they entered the acceleration alone, and not the
     initial tilt as well (to first order).  ``limits`` are the bounds of the sensor and of the model
-    that the run reaches.
+    that the run reaches.  Of ``measured`` runs ``truth`` is their mean, ``scatter`` theirs, and
+    ``other_scatter`` what noise and time base alone would make; a single one has nan for both.
     """
 
     time: Array
@@ -56,6 +56,7 @@ class Course:
     by_acceleration: Array
     sensor_terms: tuple[str, ...] = ()
     limits: tuple[str, ...] = ()
+    measured: bool = False
 
     @property
     def summed_total(self) -> Array:
@@ -82,7 +83,7 @@ def course_of_uncertainty(
     """
     problem = VelocityProblem.from_model(model, folder)
     key = point_key(model.monte_carlo, ())
-    summed, without_noise = _summed(model, problem)
+    by_sums, without_noise = _summed(model, problem)
     total, total_mean, scatter = _deviations(problem, key, groups)
     terms = _sensor_terms(problem)
     sources = (*SOURCES, SENSOR_TERMS) if terms else SOURCES
@@ -93,7 +94,7 @@ def course_of_uncertainty(
         time=np.round(np.arange(len(problem.truth)) * problem.interval, 12),
         truth=problem.truth,
         runs=model.runs,
-        summed=summed,
+        summed=by_sums,
         summed_mean=np.sqrt(without_noise + scatter**2 / model.runs),
         simulated=simulated,
         total=total,
@@ -118,36 +119,9 @@ def _sensor_terms(problem: VelocityProblem) -> tuple[str, ...]:
 
 
 def _summed(model: VelocityScenario, problem: VelocityProblem) -> tuple[dict[str, Array], Array]:
-    """Eq. (30) by source, and the sum of Eq. (31) that leaves out the raw output's noise.
-
-    At rest the raw output enters with the uncertainty of a single sample, as in the source.
-    """
-    g, interval = model.gravity, problem.interval
-    noise = raw_noise(model)
-    x, z = correction(model, "x"), correction(model, "z")
-    rest = problem.inputs[9:12]
-    by_rest_x, by_rest_z = tilt_sensitivities(x.value(rest), z.value(rest))
-    theta = np.arctan(x.value(rest) / z.value(rest))
-    acx, acz = x.value(problem.raw), z.value(problem.raw)
-    by_x, by_z, by_theta, by_g, by_interval = step_sensitivities(
-        acx, acz, theta, g.estimate, interval
-    )
-    of_x, of_z = x.variances(problem.raw, noise), z.variances(problem.raw, noise)
-    of_rest_x, of_rest_z = x.variances(rest, noise), z.variances(rest, noise)
-    steps = {
-        source: by_x**2 * of_x[source]
-        + by_z**2 * of_z[source]
-        + by_theta**2 * (by_rest_x**2 * of_rest_x[source] + by_rest_z**2 * of_rest_z[source])
-        for source in of_x
-    }
-    steps["tilt change"] = by_theta**2 * model.tilt.change**2 * np.ones_like(acx)
-    steps["gravity"] = by_g**2 * g.uncertainty**2
-    steps["time base"] = by_interval**2 * model.sensor.time_error**2
-    sums = {source: np.append(0.0, np.cumsum(steps[source])) for source in SOURCES}
-    return (
-        {source: np.sqrt(variance) for source, variance in sums.items()},
-        np.sum([variance for source, variance in sums.items() if source != "noise"], axis=0),
-    )
+    """Eq. (30) by source, and the sum of Eq. (31) that leaves out the raw output's noise."""
+    known = known_of(model)
+    return summed(step_variances(known, problem.raw, problem.inputs[9:12], problem.interval))
 
 
 def _by_acceleration(problem: VelocityProblem) -> Array:

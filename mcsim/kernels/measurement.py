@@ -35,8 +35,9 @@ Array = NDArray[np.float64]
 class ErrorTerms(NamedTuple):
     """The error terms of c channels over n + 1 samples, beyond white noise and offsets.
 
-    mix_to, mix_from : int64 (m,); mix_calibrated : float64 (m,)
-        Whose signal, less its calibrated part, shows in which channel.
+    mix_to, mix_from : int64 (m,); mix_calibrated, mix_levelled : float64 (m,)
+        Whose signal, less its calibrated part, shows in which channel; what of it does so while
+        the attitude is levelled.
     mix_deviation : float64 (m,) or (m + 3 c,)
         Coefficients drawn once per realization: how much of a channel's signal shows in another;
         then, where a digital output is averaged at rest, the channels' biases that are calibrated
@@ -65,6 +66,7 @@ class ErrorTerms(NamedTuple):
     mix_to: NDArray[np.int64]
     mix_from: NDArray[np.int64]
     mix_calibrated: Array
+    mix_levelled: Array
     mix_deviation: Array
     innovation: Array
     gains: Array

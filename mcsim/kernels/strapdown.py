@@ -39,7 +39,6 @@ from mcsim.kernels.strapdown_system import (
     FIRST_PLANAR,
     FIRST_SPATIAL,
     HEADING,
-    IS_FORCE,
     MIXING_CONSTANTS,
     NO_DEVIATIONS,
     PITCH,
@@ -53,6 +52,7 @@ from mcsim.kernels.strapdown_system import (
     Force,
     Motion,
     Strapdown,
+    TimedStrapdown,
     way_of,
 )
 from mcsim.kernels.system import add_linear, begin, draw_once, finish, keep, record, rows_of
@@ -75,6 +75,7 @@ __all__ = [
     "Force",
     "Motion",
     "Strapdown",
+    "TimedStrapdown",
     "way_of",
 ]
 
@@ -144,10 +145,8 @@ def _mean_at_rest(axis, system, constants, terms, scratch, rows):
         noise = deviation * constants[(REST + axis) * LANES + j]
         own[j] = system.rest[axis] + rows[_OFFSETS + channel * LANES + j] + noise
     for entry in range(len(terms.mix_to)):
-        source = terms.mix_from[entry]
-        if terms.mix_to[entry] == channel and IS_FORCE[source]:
-            value = system.rest[2] if source == 3 else system.rest[source]
-            value -= terms.mix_calibrated[entry]
+        if terms.mix_to[entry] == channel:
+            value = terms.mix_levelled[entry]
             mixed = coefficients[entry * LANES : (entry + 1) * LANES]
             for j in range(LANES):
                 own[j] += mixed[j] * value

@@ -149,7 +149,7 @@ def _errors(source: Printed, noise: Noise, duration: float) -> ChannelErrors:
         errors,
         processes=_in_run_noise(source, duration),
         # At rest the low-pass has nothing to pass on.
-        bandwidths=(math.inf,) * axes,
+        filters=((),) * axes,
     )
 
 

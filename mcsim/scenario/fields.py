@@ -19,7 +19,7 @@ def reject(message: str) -> PydanticCustomError:
 
 
 #: Units of kinds whose SI unit has no sign.
-_WRITTEN = {"ratio": ("%", "ppm")}
+_WRITTEN = {"ratio": ("%", "ppm"), "ratio per kelvin": ("%/K", "ppm/K")}
 
 
 @dataclass(frozen=True)
@@ -91,6 +91,8 @@ GSensitivity = Annotated[float, Quantity("g-sensitivity")]
 Jerk = Annotated[float, Quantity("jerk")]
 RotationalSpeed = Annotated[float, Quantity("rotational speed")]
 AngleGradient = Annotated[float, Quantity("angle gradient")]
+TemperatureDifference = Annotated[float, Quantity("temperature difference")]
+TemperatureRate = Annotated[float, Quantity("temperature rate")]
 Ratio = Annotated[float, Quantity("ratio")]
 Confidence = Annotated[float, Quantity("confidence")]
 

@@ -30,6 +30,7 @@ from mcsim.scenario.block import Block, add_keys, rebuild
 from mcsim.scenario.fields import NotNegative, Positive, Quantity, reject
 from mcsim.sensor_terms import TERMS
 from mcsim.sensor_terms.channel import ACCELEROMETER, GYROSCOPE, SIGNALS
+from mcsim.sensor_terms.mechanisms.high_pass import HighPass
 from mcsim.sensor_terms.mechanisms.mechanism import Acts, of_kind
 from mcsim.sensor_terms.mechanisms.offset import Offset
 from mcsim.sensor_terms.mechanisms.white import NOISE
@@ -131,6 +132,12 @@ class _Element(_Described):
             for name, values in written.items()
             if values
         }
+
+    @property
+    def ac_coupled(self) -> bool:
+        """Whether nothing constant is left on one of the axes."""
+        acts = [self.acts_on(axis) for axis in range(N_AXES)]
+        return any(act.acts for own in acts for act in of_kind(own, HighPass).values())
 
     def assumed_left(self) -> Iterator[str]:
         """Terms that stand for what a calibration leaves, where they are not zero."""

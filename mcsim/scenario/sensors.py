@@ -11,6 +11,7 @@ from mcsim.scenario.block import Block
 from mcsim.scenario.fields import Frequency, NotNegative, Positive, Time, reject
 from mcsim.scenario.named_sensor import CONSTANTS, KIND, named_element
 from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors, is_file
+from mcsim.scenario.temperature import Temperature
 from mcsim.sensor_terms import TERMS
 
 
@@ -73,12 +74,24 @@ class Sensors(Block):
     by the slope between the neighbouring samples."""
     calibration: BiasCalibration | None = None
     """Replaces the constant offsets by what is left after calibrating at rest."""
+    temperature: Temperature | None = None
+    """Of both elements, less that of their calibration; acts by the terms that go with it."""
 
     @model_validator(mode="after")
     def _jitter_is_small(self) -> Sensors:
         if self.time_jitter * self.rate > 0.5:
             raise reject(
                 f"time_jitter must be at most half a sampling interval, {0.5 / self.rate:.4g} s"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _filter_knows_no_temperature(self) -> Sensors:
+        kalman = self.calibration is not None and self.calibration.method == "kalman"
+        if kalman and self.temperature is not None and self.temperature.changes:
+            raise reject(
+                "the Kalman filter of `calibration` knows no temperature that changes; write "
+                "`method: mean`, or a constant `difference`"
             )
         return self
 

@@ -8,6 +8,8 @@ kernels' error terms, simulated logs, the linear model and the names in budgets.
 from mcsim.errors import InputError
 from mcsim.registry import Registry
 from mcsim.sensor_terms import (
+    ac_coupling,
+    asymmetry,
     bandwidth,
     bias_instability,
     g_sensitivity,
@@ -16,10 +18,13 @@ from mcsim.sensor_terms import (
     misalignment,
     miscalibration,
     noise,
+    nonlinearity,
     random_walk,
     resolution,
+    resonance,
     scale_factor,
     spikes,
+    temperature,
     turn_on_bias,
 )
 from mcsim.sensor_terms.channel import SIGNALS
@@ -30,12 +35,18 @@ TERMS: Registry[SensorTerm] = Registry(
     "sensor term",
     (
         scale_factor.TERM,
+        asymmetry.TERM,
+        nonlinearity.SECOND_ORDER,
+        nonlinearity.THIRD_ORDER,
         misalignment.TERM,
+        resonance.TERM,
+        ac_coupling.TERM,
         bandwidth.TERM,
         noise.TERM,
         miscalibration.TERM,
         turn_on_bias.TERM,
         g_sensitivity.TERM,
+        *temperature.TERMS,
         bias_instability.TERM,
         random_walk.TERM,
         gauss_markov.TERM,

@@ -10,19 +10,44 @@ from numpy.typing import NDArray
 
 from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors
 from mcsim.scenario.sensors import BiasCalibration, Sensors
+from mcsim.scenario.temperature import Temperature
 from mcsim.sensor_terms.channel import ACCELEROMETER, GYROSCOPE, Channel
-from mcsim.sensor_terms.mechanisms import event, mixing, offset, process
+from mcsim.sensor_terms.mechanisms import event, linear_filter, mixing, offset, process, shaped
 from mcsim.sensor_terms.mechanisms.digitise import Quantisation, Saturation
-from mcsim.sensor_terms.mechanisms.low_pass import LowPass
+from mcsim.sensor_terms.mechanisms.linear_filter import Filters
 from mcsim.sensor_terms.mechanisms.mechanism import Acts, of_kind, only
 from mcsim.sensor_terms.mechanisms.mixing import Mixing
 from mcsim.sensor_terms.mechanisms.process import NO_PROCESSES, Process, Processes
+from mcsim.sensor_terms.mechanisms.shaped import Column
 from mcsim.sensor_terms.mechanisms.white import White
 from mcsim.sensors.coloured import after_calibration
 from mcsim.sensors.rest import spread_at_rest
 
 Array = NDArray[np.float64]
 Blocks = Mapping[str, AccelerometerErrors | GyroscopeErrors]
+#: Times of a rest at which a temperature is looked at.
+_TIMES_AT_REST = 4096
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What goes before a run and around it.
+
+    Biases are calibrated, then the attitude is levelled for ``levelling`` (s); the ``temperature``
+    begins with both.
+    """
+
+    calibration: BiasCalibration | None = None
+    levelling: float = 0.0
+    temperature: Temperature | None = None
+
+    def calibration_samples(self, rate: float) -> int:
+        """Samples that calibrate biases, zero for none."""
+        return _samples(self.calibration.duration, rate) if self.calibration is not None else 0
+
+    def levelling_samples(self, rate: float) -> int:
+        """Samples whose mean levels the attitude, zero for none."""
+        return _samples(self.levelling, rate) if self.levelling > 0.0 else 0
 
 
 @dataclass(frozen=True)
@@ -34,6 +59,8 @@ class ChannelErrors:
     of the constant offsets, by the names of their terms.  ``processes`` are the in-run noise, from
     the first sample at rest on where the attitude is levelled.  ``ranges`` (infinite for none),
     ``resolutions`` and ``spike_amplitudes`` (zero for none); ``spike_rates`` in Hz.
+    ``filters`` are what the true signals are behind.  ``columns`` are courses that stand among the
+    signals behind the channels; they follow the channels and the ``temperature``.
     ``interval`` is that of the samples (s).  ``at_rest`` are the true signals before the run,
     ``calibration`` and ``levelling`` the numbers of samples that calibrate biases and whose mean
     levels the attitude, zero for none.  After a bias calibration ``hidden_bias`` is the
@@ -50,7 +77,7 @@ class ChannelErrors:
     resolutions: Array
     spike_rates: Array
     spike_amplitudes: Array
-    bandwidths: tuple[float, ...]
+    filters: tuple[Filters, ...]
     time_jitter: float
     interval: float
     at_rest: Array
@@ -58,11 +85,27 @@ class ChannelErrors:
     calibration_spread: Array
     calibration: int = 0
     levelling: int = 0
+    columns: tuple[Column, ...] = ()
+    temperature: Temperature | None = None
 
     @property
     def offsets(self) -> Array:
         """Standard deviation of all constant offsets together (c,)."""
         return offset.together(self.constants, len(self.white))
+
+    def with_columns(self, signals: Array, first: int = 0) -> Array:
+        """The signals (n, s) of a run with what follows from them behind: (n, s + v).
+
+        They begin with its sample ``first``.
+        """
+        if not self.columns:
+            return signals
+        number = self.calibration + self.levelling + first + np.arange(len(signals))
+        times = number * self.interval
+        temperature = _temperatures(self.temperature, times)
+        return np.column_stack(
+            [signals, *(column.of(signals, temperature) for column in self.columns)]
+        )
 
     def levels(self, channel: int) -> bool:
         """Whether the mean of a channel at rest levels the attitude, where that is done."""
@@ -85,7 +128,7 @@ class ChannelErrors:
             resolutions=nothing,
             spike_rates=nothing,
             spike_amplitudes=nothing,
-            bandwidths=self.bandwidths,
+            filters=self.filters,
             time_jitter=0.0,
             interval=self.interval,
             at_rest=self.at_rest,
@@ -109,6 +152,7 @@ def channel_errors(
     channels, measured ones first, of the vehicle that stands before the run.  Before it the
     attitude is levelled for ``levelling`` (s), and before that biases are calibrated.
     """
+    conditions = Conditions(sensors.calibration, levelling, sensors.temperature)
     errors = element_errors(
         {ACCELEROMETER: sensors.accelerometer, GYROSCOPE: sensors.gyroscope},
         sensors.rate,
@@ -116,8 +160,7 @@ def channel_errors(
         duration,
         at_rest,
         further,
-        sensors.calibration,
-        levelling,
+        conditions,
     )
     return replace(errors, time_jitter=sensors.time_jitter)
 
@@ -129,17 +172,20 @@ def element_errors(
     duration: float,
     at_rest: Array | None = None,
     further: Sequence[Channel] = (),
-    calibration: BiasCalibration | None = None,
-    levelling: float = 0.0,
+    conditions: Conditions = Conditions(),
 ) -> ChannelErrors:
     """The same from the elements' blocks and the sampling ``rate`` (Hz)."""
     everything = (*channels, *further)
-    at_rest = np.zeros(len(everything)) if at_rest is None else at_rest
     acts = [blocks[c.element].acts_on(c.axis) for c in channels]
+    filters = tuple(map(linear_filter.filters_of, acts))
+    at_rest = _behind(np.zeros(len(everything)) if at_rest is None else at_rest, filters)
+    columns = shaped.columns_of(acts)
+    held = _columns_at_rest(columns, at_rest, conditions, rate)
+    calibration = conditions.calibration
     white = np.array([only(own, White, White(0.0)).deviation(rate) for own in acts])
     spikes = [only(own, event.Event, event.Event()) for own in acts]
     at_work = [
-        _processes(own, rate, calibration, float(deviation), duration + levelling)
+        _processes(own, rate, calibration, float(deviation), duration + conditions.levelling)
         for own, deviation in zip(acts, white, strict=True)
     ]
     calibrated = calibration is not None
@@ -149,20 +195,63 @@ def element_errors(
         white=white,
         constants={} if calibrated else constants,
         processes=tuple(processes for processes, _ in at_work),
-        mixing=tuple(mixing.mixed(acts, everything, at_rest if calibrated else None)),
+        mixing=(
+            *mixing.mixed(acts, everything, at_rest, calibrated),
+            *shaped.shares(acts, everything, columns, held, calibrated),
+        ),
         ranges=np.array([only(own, Saturation, Saturation()).largest for own in acts]),
         resolutions=np.array([only(own, Quantisation, Quantisation()).step for own in acts]),
         spike_rates=np.array([own.rate for own in spikes]),
         spike_amplitudes=np.array([own.amplitude for own in spikes]),
-        bandwidths=tuple(only(own, LowPass, LowPass()).bandwidth for own in acts),
+        filters=filters,
         time_jitter=0.0,
         interval=1.0 / rate,
         at_rest=at_rest[: len(channels)],
         hidden_bias=offset.together(constants if calibrated else {}, len(white)),
         calibration_spread=np.array([spread for _, spread in at_work]),
-        calibration=_samples(calibration.duration, rate) if calibration is not None else 0,
-        levelling=_samples(levelling, rate) if levelling > 0.0 else 0,
+        calibration=conditions.calibration_samples(rate),
+        levelling=conditions.levelling_samples(rate),
+        columns=columns,
+        temperature=conditions.temperature,
     )
+
+
+def _columns_at_rest(
+    columns: Sequence[Column], at_rest: Array, conditions: Conditions, rate: float
+) -> tuple[Array, Array]:
+    """What the columns hold (v,) while biases are calibrated, and in the levelling after it."""
+    calibrated = conditions.calibration_samples(rate) / rate
+    levelled = calibrated + conditions.levelling_samples(rate) / rate
+    return (
+        _mean_columns(columns, at_rest, conditions.temperature, (0.0, calibrated)),
+        _mean_columns(columns, at_rest, conditions.temperature, (calibrated, levelled)),
+    )
+
+
+def _mean_columns(
+    columns: Sequence[Column],
+    at_rest: Array,
+    temperature: Temperature | None,
+    between: tuple[float, float],
+) -> Array:
+    """Means (v,) of the columns of a sensor at rest between two times since it was switched on."""
+    first, last = between
+    times = first + (np.arange(_TIMES_AT_REST) + 0.5) * ((last - first) / _TIMES_AT_REST)
+    still = np.broadcast_to(at_rest, (len(times), len(at_rest)))
+    degrees = _temperatures(temperature, times)
+    return np.array([float(column.of(still, degrees).mean()) for column in columns])
+
+
+def _temperatures(temperature: Temperature | None, times: Array) -> Array:
+    return np.zeros(len(times)) if temperature is None else temperature.at(times)
+
+
+def _behind(at_rest: Array, filters: Sequence[Filters]) -> Array:
+    """True signals (s,) at rest behind the filters of the first channels."""
+    still = np.array(at_rest, float)
+    for k, own in enumerate(filters):
+        still[k] = linear_filter.passed(float(still[k]), own)
+    return still
 
 
 def _constants(acts: Sequence[Acts]) -> dict[str, Array]:
@@ -215,16 +304,22 @@ def per_interval(errors: ChannelErrors, rates: Sequence[bool], interval: float) 
 def scaled(errors: ChannelErrors, factors: Array) -> ChannelErrors:
     """The same errors in other units; ``factors`` (s,) of the channels, measured ones first."""
     factor = factors[: len(errors.white)]
+    columns = tuple(
+        replace(column, factor=column.factor * float(factors[column.channel]))
+        for column in errors.columns
+    )
+    everything = np.append(factors, [factors[column.channel] for column in columns])
     return replace(
         errors,
         white=factor * errors.white,
         constants={name: factor * own for name, own in errors.constants.items()},
         processes=tuple(p.scaled(float(f)) for p, f in zip(errors.processes, factor, strict=True)),
-        mixing=mixing.rescaled(errors.mixing, factors),
+        mixing=mixing.rescaled(errors.mixing, everything),
         ranges=factor * errors.ranges,
         resolutions=factor * errors.resolutions,
         spike_amplitudes=factor * errors.spike_amplitudes,
         at_rest=factor * errors.at_rest,
         hidden_bias=factor * errors.hidden_bias,
         calibration_spread=factor * errors.calibration_spread,
+        columns=columns,
     )

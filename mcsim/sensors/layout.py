@@ -37,6 +37,7 @@ def laid_out(m: Measurement) -> ErrorTerms:
         m.mix_to,
         m.mix_from,
         np.array([entry.calibrated for entry in errors.mixing], float),
+        np.array([entry.levelled - entry.calibrated for entry in errors.mixing], float),
         np.append(m.mix_deviation, extra),
         innovation,
         gains,
@@ -61,6 +62,7 @@ def no_terms(channels: int) -> ErrorTerms:
     return ErrorTerms(
         whole,
         whole,
+        empty,
         empty,
         empty,
         nothing,

@@ -40,11 +40,10 @@ _MOST_STATES = 50_000_000
 class AtRest:
     """A rest before the run that the run's start is taken from.
 
-    ``weights`` (e, c) of the channels' mean errors there, and their true signals (c,).
+    ``weights`` (e, c) of the channels' mean errors there.
     """
 
     weights: Array
-    signals: Array
 
 
 @dataclass(frozen=True)
@@ -221,7 +220,7 @@ class Measurement:
 
     def _mixing_weights(self, weights: Array, signals: Array, at_rest: AtRest | None) -> Array:
         """Linear errors (e, m) per unit normal of each mixing coefficient."""
-        rest = None if at_rest is None else (at_rest.weights, at_rest.signals)
+        rest = None if at_rest is None else at_rest.weights
         return mixing.weights_of(self.errors.mixing, weights, signals, rest)
 
     def variances(

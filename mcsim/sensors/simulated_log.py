@@ -2,9 +2,9 @@
 
 The errors of channels are those that kernels measure with; here the numpy forms of their
 mechanisms make a log.  What is constant is drawn once; then the signal comes in pieces of any
-size, and the result does not depend on how it is cut.  The order is that of a real element: the
-low-pass, the mixing of the channels, offsets, noise, spikes, saturation, quantisation.
-White noise is added behind the low-pass: its density is that of the output.
+size, and the result does not depend on how it is cut.  The order is that of a real element: its
+filters, the mixing of the channels, offsets, noise, spikes, saturation, quantisation.
+White noise is added behind the filters: its density is that of the output.
 """
 
 from __future__ import annotations
@@ -12,7 +12,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.sensor_terms.mechanisms import digitise, event, low_pass, mixing, offset, process, white
+from mcsim.sensor_terms.mechanisms import (
+    digitise,
+    event,
+    linear_filter,
+    mixing,
+    offset,
+    process,
+    white,
+)
 from mcsim.sensors.error_model import ChannelErrors
 
 Array = NDArray[np.float64]
@@ -29,7 +37,7 @@ class SimulatedLog:
     seed : int
         Seed of all its random numbers.
     oversampling : int
-        Ideal samples per output sample; the low-pass works on the dense signal, which is then
+        Ideal samples per output sample; the filters work on the dense signal, which is then
         picked, aliasing included.
     """
 
@@ -37,7 +45,8 @@ class SimulatedLog:
         channels = len(errors.white)
         self._errors = errors
         self._oversampling, self._phase = oversampling, 0
-        self._low_pass = low_pass.low_pass(errors.bandwidths, oversampling / errors.interval)
+        self._filter = linear_filter.log_filter(errors.filters, oversampling / errors.interval)
+        self._measured = 0
         self._mix = mixing.mixer(errors.mixing, seed)
         self._offsets = offset.drawn(errors.constants, channels, seed)
         self._added = [
@@ -59,10 +68,11 @@ class SimulatedLog:
         -------
         ndarray (about n / oversampling, c)
         """
-        dense = self._low_pass(np.asarray(ideal, float))
+        dense = self._filter(np.asarray(ideal, float))
         first = -self._phase % self._oversampling
         self._phase = (self._phase + len(dense)) % self._oversampling
-        true = dense[first :: self._oversampling]
+        true = self._errors.with_columns(dense[first :: self._oversampling], self._measured)
+        self._measured += len(true)
         measured = true[:, : len(self._offsets)] + self._offsets
         self._mix(true, measured)
         for take in self._added:

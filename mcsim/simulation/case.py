@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,9 @@ class Case:
         ``kernel() -> type``, the kernel system that own rules are derived from.
     notes : callable
         ``notes(model, folder)``: what a user should know of where the truth comes from.
+    raw_log : callable, optional
+        ``raw_log(model, folder) -> {title: values}``, what its sensors would have recorded, where
+        the scenario asks for it; None where it does not.
     """
 
     name: str
@@ -55,3 +58,4 @@ class Case:
     rules: Rules | None = None
     kernel: Callable[[], type[Any]] | None = None
     notes: Callable[[Any, Path], tuple[str, ...]] = _no_notes
+    raw_log: Callable[[Any, Path], Mapping[str, Any] | None] | None = None

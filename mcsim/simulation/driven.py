@@ -27,9 +27,9 @@ _AT_REST = np.array([0.0, 0.0, 0.0, STANDARD_GRAVITY])
 class Driven:
     """A drive as forward acceleration, left acceleration and yaw rate.
 
-    ``signals`` (n + 1, 3, or 4 with gravity where it shows) and ``sensor_errors`` have turns per
-    interval in the place of yaw rates; ``truth`` is the true motion at the samples.  ``missing``
-    and ``beyond_rate`` as in ``Reckoning``.
+    ``signals`` (n + 1, 3, or 4 with gravity where it shows, or more with courses that follow
+    from these) and ``sensor_errors`` have turns per interval in the place of yaw rates; ``truth``
+    is the true motion at the samples.  ``missing`` and ``beyond_rate`` as in ``Reckoning``.
     """
 
     signals: Array
@@ -64,14 +64,15 @@ def driven(trajectory: Trajectory, sensors: Sensors, folder: Path) -> Driven:
     """
     drive = drive_of(trajectory, folder)
     errors = channel_errors(sensors, CHANNELS, drive.duration, _AT_REST, further=_VERTICAL)
-    samples = sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
+    samples = sampled(drive, sensors.rate, sensors.sampling, errors.filters)
     signals = samples.signals
     if errors.mixing:
         # Gravity is not measured, but shows by misalignment and g-sensitivity.
         signals = np.column_stack([signals, np.full(len(signals), STANDARD_GRAVITY)])
+    errors = per_interval(errors, (*RATES, False), 1.0 / sensors.rate)
     return Driven(
-        signals=signals,
-        sensor_errors=per_interval(errors, (*RATES, False), 1.0 / sensors.rate),
+        signals=errors.with_columns(signals),
+        sensor_errors=errors,
         truth=samples.truth,
         interval=1.0 / sensors.rate,
         missing=course_missing(drive),

@@ -10,7 +10,8 @@ from functools import lru_cache
 import numpy as np
 
 from mcsim.errors import InputError
-from mcsim.sensors.low_pass import behind_low_pass
+from mcsim.sensor_terms.mechanisms.linear_filter import Filters
+from mcsim.sensors.filters import behind_filters
 from mcsim.sensors.sampling import DENSE_RATE, Signals, oversampling, power_beyond, sample
 from mcsim.simulation.problem import Array
 from mcsim.trajectory import Drive, Motion
@@ -29,12 +30,12 @@ class Samples:
 
 
 @lru_cache(maxsize=64)
-def sampled(drive: Drive, rate: float, method: str, bandwidths: tuple[float, ...]) -> Samples:
+def sampled(drive: Drive, rate: float, method: str, filters: tuple[Filters, ...]) -> Samples:
     """What does not change while only sensor errors are swept."""
     count = sample_count(drive, rate)
     ideal: Signals = drive.signals
-    if not all(map(math.isinf, bandwidths)):
-        ideal = behind_low_pass(ideal, bandwidths, -drive.lead, rate, count)
+    if any(filters):
+        ideal = behind_filters(ideal, filters, -drive.lead, rate, count)
     signals = sample(ideal, -drive.lead, rate, count, method).T
     truth = drive.motion(-drive.lead + np.arange(count + 1) / rate)
     beyond = power_beyond(ideal, -drive.lead, rate, count)

@@ -16,6 +16,7 @@ from mcsim.scenario.document import read_document
 from mcsim.scenario.fields import Frequency, NotNegative, Positive, Time, reject
 from mcsim.scenario.named_sensor import NamedAccelerometer
 from mcsim.scenario.run import LARGEST_SEED
+from mcsim.scenario.temperature import Temperature
 from mcsim.scenario.validation import validate
 from mcsim.scenario_file.schema import SCHEMA_DRAFT
 from mcsim.vibration.excitations import AnyExcitation
@@ -55,6 +56,11 @@ class VibrationScenario(Block):
     """Axis of the excitation."""
     gravity: bool = True
     """Whether the z axis also senses gravity."""
+    ac_corner: Annotated[Frequency, Positive] | None = None
+    """Lower limit (first order, -3 dB) of an AC-coupled sensor whose source gives none; other
+    sensors are as they are."""
+    temperature: Temperature | None = None
+    """Of the sensor, less that of its calibration."""
     seed: Annotated[int, Whole, Ge(0), Le(LARGEST_SEED)] = 1
     excitation: AnyExcitation
     analysis: Chain = Chain()

@@ -7,21 +7,27 @@ the same distribution; ``tests/test_sensor_terms.py`` holds that over the list.
 
 from mcsim.sensor_terms.mechanisms.digitise import Quantisation, Saturation
 from mcsim.sensor_terms.mechanisms.event import Event
+from mcsim.sensor_terms.mechanisms.high_pass import HighPass
 from mcsim.sensor_terms.mechanisms.low_pass import LowPass
 from mcsim.sensor_terms.mechanisms.mixing import Coefficient, Source
 from mcsim.sensor_terms.mechanisms.offset import Offset
 from mcsim.sensor_terms.mechanisms.process import FirstOrder, Process, gauss_markov, random_walk
+from mcsim.sensor_terms.mechanisms.resonance import Resonance
+from mcsim.sensor_terms.mechanisms.shaped import Shaped
 from mcsim.sensor_terms.mechanisms.white import White
 
 __all__ = [
     "Coefficient",
     "Event",
     "FirstOrder",
+    "HighPass",
     "LowPass",
     "Offset",
     "Process",
     "Quantisation",
+    "Resonance",
     "Saturation",
+    "Shaped",
     "Source",
     "White",
     "gauss_markov",

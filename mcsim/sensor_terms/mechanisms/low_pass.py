@@ -8,24 +8,49 @@ The filter is exact for a signal that is linear between its dense samples, and s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.sensor_terms.mechanisms.mechanism import Mechanism
+from mcsim.sensor_terms.mechanisms.linear_filter import LinearFilter
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class LowPass(Mechanism):
+class LowPass(LinearFilter):
     """-3 dB at ``bandwidth`` (Hz)."""
 
     bandwidth: float = math.inf
     alone: ClassVar[bool] = True
+
+    @property
+    def acts(self) -> bool:
+        return math.isfinite(self.bandwidth)
+
+    @property
+    def fastest(self) -> float:
+        return self.bandwidth
+
+    def hold(self, rate: float) -> Hold:
+        """Its steps at ``rate`` (Hz)."""
+        return Hold.of(2.0 * np.pi * self.bandwidth / rate)
+
+    def settled(self, value: float, rate: float) -> Array:
+        return self.hold(rate).settled(value)
+
+    def apply(self, signal: Array, state: Array, rate: float) -> tuple[Array, Array]:
+        return self.hold(rate).apply(signal, state)
+
+    def over_intervals(
+        self, dense: Array, means: Array, rest: float, rate: float
+    ) -> tuple[Array, Array]:
+        values = self.hold(rate).over_intervals(dense, rest)
+        # tau y' = x - y, integrated over an interval: the mean of y from that of x.
+        lag = rate / (dense.shape[1] - 1) / (2.0 * np.pi * self.bandwidth)
+        return values, means - lag * (values[:, -1] - values[:, 0])
 
 
 @dataclass(frozen=True)
@@ -54,30 +79,17 @@ class Hold:
         """The state (1,) when ``value`` has been there for ever."""
         return np.array([(self.old + self.decay) * value])
 
+    def over_intervals(self, dense: Array, rest: float) -> Array:
+        """Filtered values (n, k + 1) of ``dense`` ones in n intervals, settled at ``rest``."""
+        from scipy.signal import lfilter
 
-def filtered(signal: Array, bandwidth: float, step: float) -> Array:
-    """A signal (n,) behind the low-pass, which has settled at its first value."""
-    if not np.isfinite(bandwidth):
-        return signal
-    hold = Hold.of(2.0 * np.pi * bandwidth * step)
-    return hold.apply(signal, hold.settled(signal[0]))[0]
+        pushes = self.old * dense[:, :-1] + self.new * dense[:, 1:]
+        states, _ = lfilter([1.0], [1.0, -self.decay], pushes.ravel(), zi=[self.decay * rest])
+        return in_intervals(np.append(rest, states), len(dense))
 
 
-def low_pass(bandwidths: tuple[float, ...], rate: float) -> Callable[[Array], Array]:
-    """The low-pass of a simulated log: the next n samples (n, s) at ``rate`` (Hz) at each call.
-
-    Columns of infinite bandwidth, and those beyond ``bandwidths``, pass unchanged.
-    """
-    holds = {k: Hold.of(2.0 * np.pi * f / rate) for k, f in enumerate(bandwidths) if np.isfinite(f)}
-    states: dict[int, Array] = {}
-
-    def take(signals: Array) -> Array:
-        if not holds or not len(signals):
-            return signals
-        passed = signals.copy()
-        for k, hold in holds.items():
-            state = states.get(k, hold.settled(signals[0, k]))
-            passed[:, k], states[k] = hold.apply(signals[:, k], state)
-        return passed
-
-    return take
+def in_intervals(values: Array, count: int) -> Array:
+    """Values (n k + 1,) of a signal that does not jump, as (n, k + 1) with both ends of each."""
+    steps = (len(values) - 1) // count
+    windows = np.lib.stride_tricks.sliding_window_view(values, steps + 1)
+    return np.asarray(windows[::steps])

@@ -40,7 +40,8 @@ class Mixing:
 
     ``deviation`` is in units of the target's per unit of the source's; ``term`` its name in
     budgets.  A bias calibration at rest has taken away what ``calibrated`` of the source,
-    its true signal there, makes of the target.
+    its true signal there, makes of the target; ``levelled`` is its true signal while the attitude
+    is levelled.
     """
 
     target: int
@@ -48,6 +49,7 @@ class Mixing:
     deviation: float
     term: str
     calibrated: float = 0.0
+    levelled: float = 0.0
 
 
 def _is(source: Source, target: Channel, other: Channel) -> bool:
@@ -59,21 +61,22 @@ def _is(source: Source, target: Channel, other: Channel) -> bool:
 
 
 def mixed(
-    acts: Sequence[Acts], channels: Sequence[Channel], calibrated: Array | None
+    acts: Sequence[Acts], channels: Sequence[Channel], at_rest: Array, calibrated: bool
 ) -> Iterator[Mixing]:
     """The entries of all channels, of which those with ``acts`` are measured and come first.
 
-    What mixing makes of the true signals (s,) at rest stands in the output of a sensor that is
+    What mixing makes of the true signals ``at_rest`` (s,) stands in the output of a sensor that is
     ``calibrated`` there as a bias does, and goes with it.
     """
     for target, own in enumerate(acts):
         channel = channels[target]
         for source, other in enumerate(channels):
-            known = 0.0 if calibrated is None else float(calibrated[source])
+            still = float(at_rest[source])
             for name, act in of_kind(own, Coefficient).items():
                 if act.deviation > 0.0 and _is(act.source, channel, other):
                     term = f"{channel.element} {name}"
-                    yield Mixing(target, source, act.deviation, term, known)
+                    known = still if calibrated else 0.0
+                    yield Mixing(target, source, act.deviation, term, known, still)
 
 
 def rescaled(entries: Sequence[Mixing], factors: Array) -> tuple[Mixing, ...]:
@@ -83,6 +86,7 @@ def rescaled(entries: Sequence[Mixing], factors: Array) -> tuple[Mixing, ...]:
             entry,
             deviation=entry.deviation * float(factors[entry.target] / factors[entry.source]),
             calibrated=entry.calibrated * float(factors[entry.source]),
+            levelled=entry.levelled * float(factors[entry.source]),
         )
         for entry in entries
     )
@@ -108,18 +112,17 @@ def weights_of(
     entries: Sequence[Mixing],
     weights: Array,
     signals: Array,
-    at_rest: tuple[Array, Array] | None,
+    at_rest: Array | None,
 ) -> Array:
     """Linear errors (e, m) per unit normal of each coefficient.
 
-    ``weights`` (e, n, c) are those of the channels' errors.  ``at_rest`` are the weights (e, c)
-    of mean errors before the run, and the true signals there (s,).
+    ``weights`` (e, n, c) are those of the channels' errors, ``at_rest`` (e, c) those of the mean
+    errors that level the attitude.
     """
     columns = []
     for m in entries:
         column = weights[:, :, m.target] @ (signals[:, m.source] - m.calibrated)
         if at_rest is not None:
-            of_rest, still = at_rest
-            column = column + of_rest[:, m.target] * (still[m.source] - m.calibrated)
+            column = column + at_rest[:, m.target] * (m.levelled - m.calibrated)
         columns.append(column * m.deviation)
     return np.stack(columns, axis=1) if columns else np.zeros((len(weights), 0))

@@ -72,11 +72,12 @@ class LevelProblem:
         errors = channel_errors(sensors, CHANNELS, duration, at_rest, further)
         errors = replace(errors, mixing=(*_tilts(model), *errors.mixing))
         everything = channel_errors(sensors, ALL_CHANNELS, duration, at_rest)
-        samples = sampled(drive, sensors.rate, sensors.sampling, everything.bandwidths)
+        samples = sampled(drive, sensors.rate, sensors.sampling, everything.filters)
+        errors = per_interval(errors, ALL_RATES, 1.0 / sensors.rate)
         planar = PlanarProblem(
             # The algorithm reads three channels; the others show in them by misalignment.
-            signals=samples.signals,
-            sensor_errors=per_interval(errors, ALL_RATES, 1.0 / sensors.rate),
+            signals=errors.with_columns(samples.signals),
+            sensor_errors=errors,
             initial_deviations=initial_deviations(model.initial),
             truth=_flat(samples.truth, samples.signals),
             interval=1.0 / sensors.rate,

@@ -95,16 +95,16 @@ class StrapdownProblem(Reckoning):
             signals_at_rest(rest),
             levelling=levelling.duration if levelling is not None else 0.0,
         )
-        samples = sampled(drive, sensors.rate, sensors.sampling, errors.bandwidths)
+        samples = sampled(drive, sensors.rate, sensors.sampling, errors.filters)
         errors = per_interval(errors, RATES, 1.0 / sensors.rate)
         return cls(
-            signals=samples.signals,
+            signals=errors.with_columns(samples.signals),
             sensor_errors=errors,
             initial_deviations=initial_deviations(model),
             truth=samples.truth,
             rest=rest,
             levelled=levelling is not None,
-            gravity=model.body.gravity,
+            gravity=model.body.local_gravity,
             interval=1.0 / sensors.rate,
             rule=model.reconstruction.integration,
             previous_share=0.0 if sensors.sampling == "average" else 0.5,
@@ -146,7 +146,7 @@ class StrapdownProblem(Reckoning):
 
     @cached_property
     def at_rest(self) -> AtRest:
-        return AtRest(self.weights.at_rest, signals_at_rest(self.rest))
+        return AtRest(self.weights.at_rest)
 
     @cached_property
     def rows(self) -> Array:

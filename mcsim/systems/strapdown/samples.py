@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from mcsim.kernels import strapdown
-from mcsim.sensors.low_pass import behind_low_pass
+from mcsim.sensor_terms.mechanisms.linear_filter import Filters
+from mcsim.sensors.filters import behind_filters
 from mcsim.sensors.sampling import Signals, power_beyond, sample
 from mcsim.simulation.planar_samples import sample_count
 from mcsim.simulation.problem import Array
@@ -26,15 +26,13 @@ class Samples:
 
 
 @lru_cache(maxsize=64)
-def sampled(
-    drive: SpatialDrive, rate: float, method: str, bandwidths: tuple[float, ...]
-) -> Samples:
+def sampled(drive: SpatialDrive, rate: float, method: str, filters: tuple[Filters, ...]) -> Samples:
     """What does not change while only sensor errors are swept."""
     plane = drive.drive
     count = sample_count(plane, rate)
     ideal: Signals = drive.signals
-    if not all(map(math.isinf, bandwidths)):
-        ideal = behind_low_pass(ideal, bandwidths, -plane.lead, rate, count)
+    if any(filters):
+        ideal = behind_filters(ideal, filters, -plane.lead, rate, count)
     signals = sample(ideal, -plane.lead, rate, count, method).T
     truth = drive.motion(-plane.lead + np.arange(count + 1) / rate)
     beyond = power_beyond(ideal, -plane.lead, rate, count)

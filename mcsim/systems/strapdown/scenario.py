@@ -18,6 +18,7 @@ from mcsim.scenario.fields import (
     reject,
 )
 from mcsim.scenario.initial import Initial
+from mcsim.scenario.place import Place
 from mcsim.scenario.response import Response
 from mcsim.scenario.rules import Rules
 from mcsim.scenario.sensors import Sensors
@@ -29,11 +30,13 @@ Rule = Annotated[str, RULES.checked(), RULES.listed()]
 _STEEPEST = 0.8
 
 
-class Body(Block):
+class Body(Place):
     """Attitude of the vehicle's body: the road's plane, and how the body leans in it.
 
     Roll is positive with the left side up, pitch with the nose down (ISO 8855).
     """
+
+    VALUE: ClassVar[str] = "gravity"
 
     bank: Annotated[Angle, Ge(-_STEEPEST), Le(_STEEPEST)] = 0.0
     """Slope of the road's plane across its initial direction, left side up positive."""
@@ -130,6 +133,15 @@ class StrapdownScenario(CaseScenario):
             raise reject(
                 "levelling before the drive is for the shipped rules; leave `initial.levelling` "
                 "out, or let the rule level itself while it runs"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _levels_by_gravity(self) -> StrapdownScenario:
+        if self.initial.levelling and self.sensors.accelerometer.ac_coupled:
+            raise reject(
+                "behind an `ac_coupling` no gravity is left to level by; remove it, or write "
+                "`initial.tilt_error` instead of `initial.levelling`"
             )
         return self
 

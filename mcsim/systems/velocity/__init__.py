@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from mcsim.scenario.idle import IdleKey
 from mcsim.scenario.response import idle_response
@@ -31,6 +33,12 @@ def _notes(model: VelocityScenario, folder: Path) -> tuple[str, ...]:
     return profile_of(model.trajectory, folder).notes
 
 
+def _raw_log(model: VelocityScenario, folder: Path) -> Mapping[str, Any] | None:
+    from mcsim.systems.velocity.raw_log import raw_log
+
+    return raw_log(model, folder, model.monte_carlo.seed) if model.outputs.runs else None
+
+
 CASE = Case(
     "velocity",
     VelocityScenario,
@@ -46,4 +54,5 @@ CASE = Case(
         ),
     ),
     notes=_notes,
+    raw_log=_raw_log,
 )

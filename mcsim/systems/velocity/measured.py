@@ -144,7 +144,9 @@ def _moments(covariances: Array) -> _Moments:
 class MeasuredGroups:
     """First-order effect of all disturbances of groups that are measured sample by sample.
 
-    ``weights`` are those of the undisturbed run; ``run`` (n, 6) and ``rest`` (6,) the signals.
+    ``weights`` are those of the undisturbed run; ``run`` (n, 6 + v) and ``rest`` (6 + v,) the
+    signals, the last v of which are means over runs and rest of what changes with the temperature:
+    ``columns`` (M, n, v) in each run.
     """
 
     weights: VelocityWeights
@@ -152,6 +154,7 @@ class MeasuredGroups:
     group: GroupSamples
     run: Array
     rest: Array
+    columns: Array
 
     @property
     def _of_rest(self) -> Array:
@@ -176,6 +179,19 @@ class MeasuredGroups:
             for m in self.measurement.errors.mixing
         ]
         return np.stack(columns, axis=1) if columns else np.zeros((len(sums), 0))
+
+    def _changing(self) -> Mapping[str, Array]:
+        """Covariances (k, M, M) of the runs by source, from what may change from run to run."""
+        counts, first = self.group.counts, len(self.rest) - self.columns.shape[2]
+        sums = np.cumsum(self.columns, axis=1)[:, counts - 1]
+        found: dict[str, Array] = {}
+        for m in self.measurement.errors.mixing:
+            if m.source >= first:
+                of_run = self.weights.per_sample[m.target] * sums[:, :, m.source - first]
+                of_rest = self._of_rest[:, m.target] * self.rest[m.source]
+                each = m.deviation * (of_run + of_rest).T
+                found[m.term] = found.get(m.term, 0.0) + each[:, :, None] * each[:, None, :]
+        return found
 
     def kernel_weights(self) -> LinearWeights:
         """The weights as the kernel takes them.
@@ -255,15 +271,17 @@ class MeasuredGroups:
         variances |= {name: _each(v, runs).rows for name, v in steps.items()}
         variances |= {name: _moments(c).rows for name, c in coloured.items()}
         controlled = np.sum(list(variances.values()), axis=0)
+        changing = self._changing()
+        # The controls hold their means over the runs.
+        variances |= {name: _moments(c).rows for name, c in changing.items()}
         own = np.sum(list(steps.values()), axis=0)
         for name, variance in independent.items():
             at_rest = self._of_rest**2 @ variance / self.group.at_rest
             moving = np.asarray(counts * float(self.weights.per_sample**2 @ variance), float)
             own = own + moving
             variances[name] = np.add(_shared(at_rest).rows, _each(moving, runs).rows)
-        deviating = np.sum([np.zeros((len(counts), runs, runs)), *coloured.values()], axis=0) + own[
-            :, None, None
-        ] * np.eye(runs)
+        of_runs = [np.zeros((len(counts), runs, runs)), *coloured.values(), *changing.values()]
+        deviating = np.sum(of_runs, axis=0) + own[:, None, None] * np.eye(runs)
         mean = np.zeros(3 * len(counts))
         mean[2::3] = [mean_scatter(c) for c in deviating]
         controlled[2::3] = 0.0

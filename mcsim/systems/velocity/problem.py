@@ -90,7 +90,7 @@ class VelocityProblem:
         times = np.arange(n + 1, dtype=float) / sensor.rate
         run = true_run(model, folder)
         errors = raw_errors(model)
-        raw = run_samples(model, run, times, errors.bandwidths)
+        raw = run_samples(model, run, times, errors.filters)
         samples = rest_steps(model)
         c = model.calibration
         numbers: list[Number | Bias] = [
@@ -101,7 +101,7 @@ class VelocityProblem:
             raw=raw,
             truth=run.profile.velocity(times),
             inputs=np.array(
-                [*(q.estimate for q in numbers), *rest_output(model), 0.0, gravity.estimate]
+                [*(q.estimate for q in numbers), *rest_output(model), 0.0, gravity.local_gravity]
             ),
             uncertainties=np.array(
                 [
@@ -153,8 +153,9 @@ class VelocityProblem:
     @cached_property
     def measurement(self) -> Measurement:
         """The sensor errors as the kernels take them."""
-        count = self._group.total
-        return Measurement.of(self.sensor_errors, self.signals, self.interval, count)
+        # Courses change from run to run.
+        signals = self._all_samples if self.sensor_errors.columns else self.signals
+        return Measurement.of(self.sensor_errors, signals, self.interval, self._group.total)
 
     @property
     def missing(self) -> Mapping[str, str]:
@@ -170,9 +171,14 @@ class VelocityProblem:
 
     @cached_property
     def _measured(self) -> MeasuredGroups:
-        return MeasuredGroups(
-            self.weights, self.measurement, self._group, self.signals[1:], self.signals[0]
-        )
+        group, run, rest = self._group, self.signals[1:], self.signals[0]
+        columns = np.zeros((group.runs, group.steps, 0))
+        if self.sensor_errors.columns:
+            everything = self._all_samples
+            runs = everything[group.at_rest :].reshape(group.runs, group.steps, -1)
+            columns, run = runs[:, :, len(rest) :], runs.mean(axis=0)
+            rest = everything[: group.at_rest].mean(axis=0)
+        return MeasuredGroups(self.weights, self.measurement, group, run, rest, columns)
 
     @cached_property
     def linear(self) -> LinearModel:
@@ -310,10 +316,15 @@ class VelocityProblem:
     @cached_property
     def _group_signals(self) -> Array:
         """The signals of all samples of a group that is measured, else (n + 1, 6) of one run."""
-        if not self.is_measured:
-            return self.signals
+        return self._all_samples if self.is_measured else self.signals
+
+    @cached_property
+    def _all_samples(self) -> Array:
+        """The signals of all samples of a group, with the courses that follow from them."""
         rest, run = self.signals[:1], self.signals[1:]
-        return np.concatenate([np.tile(rest, (self.at_rest, 1)), np.tile(run, (self.runs, 1))])
+        return self.sensor_errors.with_columns(
+            np.concatenate([np.tile(rest, (self.at_rest, 1)), np.tile(run, (self.runs, 1))])
+        )
 
     @cached_property
     def _kernel_weights(self) -> LinearWeights:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.sensor_terms.channel import ACCELEROMETER, Channel
-from mcsim.sensors.error_model import ChannelErrors, element_errors, scaled
+from mcsim.sensors.error_model import ChannelErrors, Conditions, element_errors, scaled
 from mcsim.systems.velocity.scenario import VelocityScenario
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ def raw_noise(model: VelocityScenario) -> Array:
     if sensor.noise is not None:
         return np.array([sensor.noise.x, sensor.noise.y, sensor.noise.z])
     errors = element_errors({ACCELEROMETER: sensor.terms}, sensor.rate, AXES, 0.0)
-    return errors.white / model.gravity.estimate
+    return errors.white / model.gravity.local_gravity
 
 
 def raw_errors(model: VelocityScenario) -> ChannelErrors:
@@ -44,10 +44,14 @@ def raw_errors(model: VelocityScenario) -> ChannelErrors:
         sensor.rate,
         AXES,
         run.rest + model.runs * run.duration,
+        # What the axes sense at rest is not asked for: nothing is calibrated by it.
+        conditions=Conditions(temperature=sensor.temperature),
     )
-    errors = scaled(errors, np.full(len(AXES), 1.0 / model.gravity.estimate))
+    errors = scaled(errors, np.full(len(AXES), 1.0 / model.gravity.local_gravity))
+    sensed = len(AXES)
     return replace(
         errors,
         white=raw_noise(model),
-        mixing=tuple(replace(m, source=len(AXES) + m.source) for m in errors.mixing),
+        mixing=tuple(replace(m, source=sensed + m.source) for m in errors.mixing),
+        columns=tuple(replace(c, channel=sensed + c.channel) for c in errors.columns),
     )

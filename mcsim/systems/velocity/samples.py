@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from mcsim.sensor_terms.mechanisms.low_pass import Hold
+from mcsim.sensor_terms.mechanisms.linear_filter import Filters
 from mcsim.simulation.problem import Array
 from mcsim.systems.velocity.scenario import Calibration, VelocityScenario
 from mcsim.systems.velocity.truth import RunMotion, TrueRun
 
 #: Beside a jump of the acceleration (s).
 _JUST_BESIDE = 1e-7
-#: Steps of the low-pass in each sampling interval.
+#: Steps of the filters in each sampling interval.
 _DENSE_STEPS = 8
 
 
@@ -19,32 +19,28 @@ def run_samples(
     model: VelocityScenario,
     run: TrueRun,
     times: Array,
-    bandwidths: tuple[float, ...] = (np.inf,) * 3,
+    filters: tuple[Filters, ...] = ((),) * 3,
 ) -> Array:
     """Undisturbed raw output (n, 3) of a run for the intervals between ``n + 1`` times.
 
-    Axes of finite bandwidth (Hz) are sampled behind a first-order low-pass that has settled
-    in the standstill before the run.
+    Each axis is sampled behind its filters, which have settled in the standstill before the run.
     """
     samples = _wide_samples(model, run, times)
-    limited = [axis for axis, bandwidth in enumerate(bandwidths) if np.isfinite(bandwidth)]
-    if limited:
+    behind = [axis for axis, own in enumerate(filters) if own]
+    if behind:
         dense, rest = _dense_output(model, run, times), rest_output(model)
-    for axis in limited:
-        states = _low_pass_states(
-            dense[:, :, axis], float(rest[axis]), bandwidths[axis], model.sensor.rate
-        )
-        if model.sensor.sampling == "none":
-            samples[:, axis] = states[:-1]
-        else:
-            # tau y' = x - y, integrated over an interval: the mean of y from that of x.
-            lag = model.sensor.rate / (2.0 * np.pi * bandwidths[axis])
-            samples[:, axis] -= lag * np.diff(states)
+    for axis in behind:
+        values, means = dense[:, :, axis], samples[:, axis]
+        for one in filters[axis]:
+            values, means = one.over_intervals(
+                values, means, float(rest[axis]), _DENSE_STEPS * model.sensor.rate
+            )
+        samples[:, axis] = values[:, 0] if model.sensor.sampling == "none" else means
     return np.ascontiguousarray(samples)
 
 
 def _wide_samples(model: VelocityScenario, run: TrueRun, times: Array) -> Array:
-    gravity = model.gravity.estimate
+    gravity = model.gravity.local_gravity
     if model.sensor.sampling == "none":
         return raw_output(run.motion(times[:-1] + _JUST_BESIDE), model.calibration, gravity)
     motion, weights = run.within_intervals(times)
@@ -68,29 +64,15 @@ def _dense_output(model: VelocityScenario, run: TrueRun, times: Array) -> Array:
     inside[:, 0] += _JUST_BESIDE
     inside[:, -1] -= _JUST_BESIDE
     motion = run.motion(inside.ravel())
-    output = raw_output(motion, model.calibration, model.gravity.estimate)
+    output = raw_output(motion, model.calibration, model.gravity.local_gravity)
     return output.reshape(len(inside), -1, 3)
-
-
-def _low_pass_states(dense: Array, rest: float, bandwidth: float, rate: float) -> Array:
-    """Output (n + 1,) of the low-pass at the ends of n intervals; ``dense`` (n, k + 1) its input.
-
-    Exact for an input that is linear between the dense values.
-    """
-    from scipy.signal import lfilter
-
-    k = dense.shape[1] - 1
-    hold = Hold.of(2.0 * np.pi * bandwidth / (k * rate))
-    pushes = hold.old * dense[:, :-1] + hold.new * dense[:, 1:]
-    states, _ = lfilter([1.0], [1.0, -hold.decay], pushes.ravel(), zi=[hold.decay * rest])
-    return np.append(rest, states[k - 1 :: k])
 
 
 def rest_output(model: VelocityScenario) -> Array:
     """Undisturbed raw output (3,) at rest."""
     still = np.zeros(1)
     at_rest = RunMotion(still, still, still, np.full(1, model.trajectory.mounting_angle))
-    (rest,) = raw_output(at_rest, model.calibration, model.gravity.estimate)
+    (rest,) = raw_output(at_rest, model.calibration, model.gravity.local_gravity)
     return np.asarray(rest, float)
 
 

@@ -25,8 +25,11 @@ from mcsim.scenario.fields import (
     reject,
 )
 from mcsim.scenario.named_sensor import ReckoningAccelerometer
+from mcsim.scenario.place import Place
 from mcsim.scenario.response import Response
+from mcsim.scenario.run import Outputs
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
+from mcsim.scenario.temperature import Temperature
 from mcsim.systems.velocity.profiles import StraightRun
 from mcsim.systems.velocity.profiles.profile import LONGEST
 
@@ -87,6 +90,9 @@ class RawAccelerometer(Block):
     rest and go on through all its runs."""
     noise: Axes | None = None
     """Standard deviation of one raw sample, u(am); replaces the accelerometer's noise density."""
+    temperature: Temperature | None = None
+    """Of the sensor, less that of its calibration; begins with the rest, and goes on through all
+    runs of a group."""
     sampling: Literal["average", "none"] = "average"
     """A sample is the mean over the interval that begins with it, or the momentary value just
     after it."""
@@ -123,6 +129,15 @@ class RawAccelerometer(Block):
             )
         return self
 
+    @model_validator(mode="after")
+    def _senses_gravity(self) -> RawAccelerometer:
+        if self.terms.ac_coupled:
+            raise reject(
+                "behind an `ac_coupling` no gravity is left, from which the initial tilt is taken; "
+                "remove it"
+            )
+        return self
+
     @property
     def terms(self) -> AccelerometerErrors:
         """The accelerometer's error terms; an empty block if the scenario has none."""
@@ -143,8 +158,10 @@ class Bias(Block):
     uncertainty: Annotated[SensorOutput, NotNegative, Le(_LARGEST_BIAS)] = 0.0
 
 
-class Gravity(Block):
+class Gravity(Place):
     """Acceleration of gravity where the sensor was calibrated."""
+
+    VALUE: ClassVar[str] = "estimate"
 
     estimate: Annotated[Acceleration, Ge(_GRAVITY[0]), Le(_GRAVITY[1])] = 9.80665
     uncertainty: Annotated[Acceleration, NotNegative, Le(_GRAVITY[1])] = 0.0
@@ -236,6 +253,14 @@ class BudgetPoint(Block):
         return self
 
 
+class VelocityOutputs(Outputs):
+    """What to keep of a velocity scenario."""
+
+    runs: bool = False
+    """Raw output of the runs of one group with their rests, as `mcsim velocity` reads it; the
+    scenario's uncertainties are errors in it."""
+
+
 class VelocityScenario(CaseScenario):
     """1-D velocity from a tri-axial accelerometer, with an uncertainty budget."""
 
@@ -253,6 +278,7 @@ class VelocityScenario(CaseScenario):
     tilt: Tilt = Tilt()
     runs: Annotated[int, Whole, Ge(1), Le(1000)] = 12
     """Runs M of a group; all runs of a group share calibration, rest, tilt and gravity."""
+    outputs: VelocityOutputs = VelocityOutputs()
     instants: Annotated[tuple[Annotated[Time, Positive], ...], Len(1, 100)] | None = None
     """When errors are reported, after the start; the end of the run if absent."""
     budget: BudgetPoint | None = None
