@@ -589,13 +589,13 @@ def test_table_2_sets_like_beside_like(monkeypatch):
     of_mean = by_name["error of the mean of 12 runs, time stamps err"]
     # 400 groups know the median of a normal mean to 1.25 std / 20.
     spread = 1.25 * ends.mean(axis=0).std() / 20.0
-    assert of_mean[2] == pytest.approx(np.median(ends.mean(axis=0)), abs=6 * spread)
-    assert of_mean[3] < of_mean[1] < of_mean[4]
+    assert of_mean.median == pytest.approx(np.median(ends.mean(axis=0)), abs=6 * spread)
+    assert of_mean.low < of_mean.printed < of_mean.high
     largest = by_name["largest |error| of 12 runs, time stamps err"]
-    assert largest[2] > abs(of_mean[2])
-    assert by_name["error of the method"][2] == pytest.approx(p.method_errors()[-3])
-    assert math.isnan(by_name["error of the method"][1])
+    assert largest.median > abs(of_mean.median)
+    assert by_name["error of the method"].median == pytest.approx(p.method_errors()[-3])
+    assert math.isnan(by_name["error of the method"].printed)
     scatter = by_name["s(v) of 12 runs, time stamps err"]
-    assert scatter[3] < scatter[1] < scatter[4]  # the printed 0.006 m/s agrees
+    assert scatter.low < scatter.printed < scatter.high  # the printed 0.006 m/s agrees
     erring = by_name["s(v) of 12 runs, intervals err"]
-    assert not erring[3] < erring[1] < erring[4]  # and not with these
+    assert not erring.low < erring.printed < erring.high  # and not with these

@@ -1,7 +1,6 @@
 """Straight runs of the velocity case: profiles against integration, and a body that pitches."""
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from scipy.integrate import quad, solve_ivp
 
 import mcsim
 from mcsim import InputError, Scenario
+from mcsim.papers.braking import error_over_time, lowest_after_braking
 from mcsim.systems import check_point, problem_of
 from mcsim.systems.velocity.profiles import PROFILES, profile_of
 from mcsim.systems.velocity.truth import true_run
@@ -224,28 +224,29 @@ def closed_form(t, gradient, frequency, damping, height):
 def test_the_end_speed_is_negative_by_the_closed_form(height):
     """After braking the body swings back: sign, size and course, to second order of the pitch."""
     s = scenario(points(*RAMPS), body=pitching(height=height), tilt={"order": "exact"})
-    p = problem_of(s.base, s.folder)
-    curve = _undisturbed(p)
-    t = np.arange(len(curve)) * p.interval
+    curve = error_over_time(s.base)
+    t = np.arange(len(curve)) / s.base.sensor.rate
     expected = closed_form(t, 0.25, 3.0, 0.2, height)
     np.testing.assert_allclose(curve, expected, atol=2e-2 * np.abs(expected).max())
     after = (t >= 1.3) & (t <= 1.6)
     lowest = curve[after].min()
     assert lowest == pytest.approx(expected[after].min(), rel=0.02)
     assert lowest < (-0.009 if height else -0.003)
+    # While it drives on, g K v is left; where the body swings is another matter.
+    cruise = np.mean(curve[(t > 0.7) & (t < 1.1)])
+    assert cruise == pytest.approx(G * math.radians(0.25) * 0.4, rel=0.06)
     # Not a drift: when the swing has faded nothing is left of it.
     assert abs(closed_form(np.array([20.0]), 0.25, 3.0, 0.2, height)[0]) < 1e-12
 
 
-def _undisturbed(p):
-    """Velocity less that of the wheels after every step, without sensor errors."""
-    still = replace(
-        p,
-        uncertainties=0.0 * p.uncertainties,
-        sensor_errors=p.sensor_errors.silent(),
-        time_error=0.0,
-    )
-    return still.errors_over_time(0, 0, 1)[0, :, 0]
+def test_the_lowest_velocity_after_braking_is_that_of_the_closed_form():
+    model = scenario(points(*RAMPS), body=pitching(), tilt={"order": "exact"}).base
+    t = np.arange(131, 201) / 100.0
+    for frequency, height in ((1.0, 0.0), (3.0, 0.1), (7.0, 0.2)):
+        expected = closed_form(t, 0.25, frequency, 0.2, height).min()
+        found = lowest_after_braking(model, frequency, height)
+        assert found == pytest.approx(expected, rel=0.03)
+        assert found < 0.0
 
 
 def test_pitch_agrees_with_an_integration_of_the_equations():
@@ -315,3 +316,34 @@ def test_a_stiff_body_changes_no_bit():
     one, two = (problem_of(scenario(**more).base, FOLDER)
                 for more in ({}, {"body": {"pitch": {"natural_frequency": "2 Hz"}}}))  # fmt: skip
     np.testing.assert_array_equal(one.raw, two.raw)
+
+
+# The end of the run
+
+
+@pytest.mark.parametrize(
+    ("duration", "rate", "last"),
+    [("1.5 s", "60 Hz", 1.5), ("1.5 s", "64 Hz", 1.5), ("1.5 s", "70 Hz", 1.5),
+     ("1.51 s", "60 Hz", 1.5), ("1.5 s", "97 Hz", 145 / 97), ("0.7 s", "3 Hz", 2 / 3)],
+)  # fmt: skip
+def test_a_run_says_where_its_errors_stand(duration, rate, last):
+    """A broken interval at the end is not sampled: the error is that of the last sample."""
+    s = scenario(trajectory__duration=duration, sensor__rate=rate, instants=None,
+                 trajectory__top_speed="0.3 m/s", tilt__order="exact")  # fmt: skip
+    model = s.base
+    p = problem_of(model, s.folder)
+    assert model.reported == (pytest.approx(last),)
+    assert p.truth[-1] == pytest.approx(
+        float(true_run(model, s.folder).motion(np.array(last)).velocity)
+    )
+    assert abs(p.method_errors()[0]) < 1e-12
+    told = [limit.text for limit in p.limits(1, 10) if "no multiple" in limit.text]
+    whole = math.isclose(last, model.trajectory.duration)
+    assert len(told) == (0 if whole else 1)
+    if told:
+        left = model.trajectory.duration - last
+        assert f"at the last sample, {last:.6g} s, {left:.2g} s before the end" in told[0]
+    # Who names instants has chosen them.
+    asked = s.with_values({"instants": [f"{1 / model.sensor.rate!r} s"]})
+    of_asked = problem_of(asked.base, asked.folder).limits(1, 10)
+    assert not [limit for limit in of_asked if "no multiple" in limit.text]

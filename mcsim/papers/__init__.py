@@ -160,6 +160,7 @@ FIGURES: Registry[PaperFigure] = Registry(
         "14": "mcsim.papers.velocity_figures:FIGURE_14",
         "allan": "mcsim.papers.allan_figures:FIGURE",
         "attitude-drift": "mcsim.papers.attitude_drift:FIGURE",
+        "braking": "mcsim.papers.braking:FIGURE",
         "repeated-runs": "mcsim.papers.repeated_runs:FIGURE",
         "strapdown": "mcsim.papers.shipped_sweeps:STRAPDOWN",
         "velocity": "mcsim.papers.shipped_sweeps:VELOCITY",
