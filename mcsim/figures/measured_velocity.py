@@ -53,8 +53,8 @@ def _draw_mean(axes: Axes, found: Measurement) -> None:
     time, mean, u = found.group.time, found.mean, found.summed
     colour = curve_colour(_MEAN, 4)
     axes.fill_between(time, found.drawn.low, found.drawn.high, color=_BAND, alpha=0.18, linewidth=0)
-    axes.fill_between(time, mean - u, mean + u, color=colour, alpha=0.4, linewidth=0)  # type: ignore[arg-type]
-    axes.plot(time, mean, color=colour, linewidth=1.6)  # type: ignore[arg-type]
+    axes.fill_between(time, mean - u, mean + u, color=colour, alpha=0.4, linewidth=0)
+    axes.plot(time, mean, color=colour, linewidth=1.6)
 
 
 def _draw_errors(left: Axes, right: Axes, found: Measurement, reference: Reference) -> None:
@@ -65,12 +65,12 @@ def _draw_errors(left: Axes, right: Axes, found: Measurement, reference: Referen
     colour = curve_colour(_MEAN, 4)
     left.plot(time, of_runs.T, color=_RUNS, alpha=0.45, linewidth=0.8)
     if found.group.runs > 1:
-        left.plot(time, error, color=colour, linewidth=2.0)  # type: ignore[arg-type]
+        left.plot(time, error, color=colour, linewidth=2.0)
     wide = _FACTOR * np.hypot(found.drawn.mean, own)
     right.fill_between(time, -wide, wide, color=_BAND, alpha=0.18, linewidth=0)
     narrow = np.hypot(found.summed, own)
-    right.fill_between(time, -narrow, narrow, color=colour, alpha=0.4, linewidth=0)  # type: ignore[arg-type]
-    right.plot(time, error, color=colour, linewidth=1.6)  # type: ignore[arg-type]
+    right.fill_between(time, -narrow, narrow, color=colour, alpha=0.4, linewidth=0)
+    right.plot(time, error, color=colour, linewidth=1.6)
     for axes in (left, right):
         axes.axhline(0.0, color=_REFERENCE, ls="--", linewidth=1.0)
 
@@ -83,10 +83,10 @@ def _legend(figure: Figure, axes: Axes, found: Measurement, referred: bool) -> N
     equation = "Eq. (31)" if many else "Eq. (30)"
     axes.plot([], [], color=_RUNS, alpha=0.6, label=f"{found.group.runs} runs" if many else "run")
     if many:
-        axes.plot([], [], color=colour, linewidth=2.0, label="their mean")  # type: ignore[arg-type]
+        axes.plot([], [], color=colour, linewidth=2.0, label="their mean")
     nothing = ([0.0], [np.nan], [np.nan])
     axes.fill_between(
-        *nothing, color=colour, alpha=0.4, linewidth=0,  # type: ignore[arg-type]
+        *nothing, color=colour, alpha=0.4, linewidth=0,
         label=f"± uc of {whose} (k = 1), {equation}",
     )  # fmt: skip
     axes.fill_between(*nothing, color=_BAND, alpha=0.25, linewidth=0, label="95 %, Monte Carlo")

@@ -17,6 +17,8 @@ from mcsim.measured_velocity.reference import Reference
 _ONE, _TWO, _FACTOR = 0.683, 0.95, 1.959963984540054
 #: Coverage that misses by more than this is worth a word.
 _OFF = 0.05
+#: A variance of nothing at all (m²/s²).
+_NOTHING = 1e-300
 
 
 def measured_words(found: Measurement, course: Course, reference: Reference | None) -> str:
@@ -48,7 +50,8 @@ def _coverage(found: Measurement) -> Iterator[str]:
         pairs.append(("Eq. (31) of the mean", found.sums.mean[-1:], found.drawn.mean[-1:]))
     told = []
     for name, stated, real in pairs:
-        ratio = float(np.sqrt(np.mean(stated**2) / max(np.mean(real**2), 1e-300)))
+        of_all = max(float(np.mean(real**2)), _NOTHING)
+        ratio = math.sqrt(float(np.mean(stated**2)) / of_all)
         if abs(_share(ratio) - _ONE) > _OFF:
             told.append(
                 f"± uc by {name} holds {_share(ratio):.0%} (not {_ONE:.0%}) of what Monte Carlo "
