@@ -107,7 +107,7 @@ class MeasuredVelocity(Found):
     @property
     def words(self) -> str:
         """What the numbers say."""
-        return measured_words(self.measurement, self.course, self.reference)
+        return measured_words(self.measurement, self.course, self.step, self.reference)
 
     def report(self) -> Report:
         """Tables ``velocity``, ``runs``, ``budget``, ``comparison``, their pictures, and words."""
