@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from mcsim.api.found import Found
 from mcsim.api.velocity_options import (
     KnownOptions,
@@ -26,7 +28,7 @@ from mcsim.gum.tables import budget_table, comparison_table
 from mcsim.measured_velocity.correction_file import read_correction
 from mcsim.measured_velocity.group import Group, Run, group_of, run_of, time_base
 from mcsim.measured_velocity.measurement import Measurement, course_of, measure, step_budget_of
-from mcsim.measured_velocity.propagation import DRAWS
+from mcsim.measured_velocity.propagation import DRAWS, Inputs, tilts
 from mcsim.measured_velocity.reference import Reference
 from mcsim.measured_velocity.run_log import Layout, RecordedRuns, read_runs
 from mcsim.measured_velocity.segments import segments
@@ -34,12 +36,16 @@ from mcsim.measured_velocity.tables import run_table, velocity_table
 from mcsim.measured_velocity.words import measured_words
 from mcsim.provenance import provenance_of
 from mcsim.report import Report
+from mcsim.simulation.limits import SMALL_TILT
+from mcsim.units import degrees
 
 if TYPE_CHECKING:
     import pandas as pd
 
 #: Draws of the Monte Carlo: fewer give no 95 %, more take memory and no digits.
 _DRAWS = (200, 1_000_000)
+#: A velocity of so many uncertainties is none of standstill.
+_SURELY = 5.0
 #: Numbers (draws × steps) that may be kept.
 _MOST_KEPT = 200_000_000
 
@@ -101,7 +107,7 @@ class MeasuredVelocity(Found):
     @property
     def words(self) -> str:
         """What the numbers say."""
-        return measured_words(self.measurement, self.course, self.reference)
+        return measured_words(self.measurement, self.course, self.step, self.reference)
 
     def report(self) -> Report:
         """Tables ``velocity``, ``runs``, ``budget``, ``comparison``, their pictures, and words."""
@@ -191,16 +197,21 @@ def velocity(
     correction = read_correction(Path(calibration))
     others = [Path(f) for f in (reference or {}).get("files", ())]
     records, named = _recorded(paths, others, layout_of(read or {}, against), note)
-    group = _group(records, named, motion, note)
+    # Several files are a run each, unless more runs are asked for.
+    single = named or motion.get("runs") == 1
+    single = single or (len(paths) > 1 and motion.get("runs") in (None, len(paths)))
+    group = _group(records, single, motion, note)
     inputs = inputs_of(correction, known or {}, group.time_base, note)
+    _doubt_small_angles(inputs, group, note)
     _check_rest(inputs.correction.row("z").value(group.rests), group)
     draws, seed = _checked_draws(monte_carlo or {}, group)
-    options = {**(read or {}), **motion, **(known or {}), **(reference or {})}
-    options = {k: list(map(str, v)) if k == "files" else v for k, v in options.items()}
-    origin = provenance_of(
-        "velocity", [*paths, Path(calibration), *others], {**options, "draws": draws}, seed
-    )
+    given = {**(read or {}), **motion, **(known or {}), **(reference or {})}
+    options = {key: value for key, value in given.items() if value and key != "files"}
+    inputs_read = [*paths, Path(calibration), *others]
+    origin = provenance_of("velocity", inputs_read, {**options, "draws": draws}, seed)
     measurement = measure(inputs, group, draws, seed)
+    if not single:
+        _doubt_standstill(measurement, note)
     return MeasuredVelocity(_name(paths), measurement, against, tuple(notes), origin)
 
 
@@ -212,7 +223,7 @@ def _name(paths: list[Path]) -> str:
 def _recorded(
     paths: list[Path], others: list[Path], layout: Layout, note: Callable[[str], None]
 ) -> tuple[list[RecordedRuns], bool]:
-    """All records, and whether each is known to hold one run."""
+    """All records, and whether a column tells their runs apart."""
     if not paths:
         raise InputError("no file of a run is given")
     if others and len(others) != len(paths):
@@ -225,27 +236,27 @@ def _recorded(
         own, named = read_runs(path, layout, others[n] if others else None, note)
         records += own
         labelled = labelled or named
-    return records, labelled or len(paths) > 1
+    return records, labelled
 
 
 def _group(
     records: list[RecordedRuns], single: bool, motion: MotionOptions, note: Callable[[str], None]
 ) -> Group:
     rule = rule_of(motion)
-    if rule.rest is not None and not single and motion.get("runs", 1) != 1:
+    expected = motion.get("runs")
+    if rule.rest is not None and not single and expected not in (None, 1):
         raise InputError(
             "--rest: says where the one run of a file begins; give each run its file, or a column "
             "`run`, or leave --rest out and let rests be found"
         )
     runs: list[Run] = []
     for record in records:
-        found, words = segments(record, rule, single or motion.get("runs") == 1)
+        found, words = segments(record, rule, single)
         note(words)
         many = len(found) > 1
         for n, segment in enumerate(found, start=1):
             name = f"{record.name}, motion {n}" if many else record.name
             runs.append(run_of(record, segment, name))
-    expected = motion.get("runs")
     if expected is not None and len(runs) != expected:
         raise InputError(
             f"--runs {expected}: {len(runs)} are found; a drive at constant speed of more than "
@@ -277,6 +288,29 @@ def _said(group: Group) -> list[str]:
             f"{group.lost} samples are missing while moving: the one before goes on over the gap"
         )
     return notes
+
+
+def _doubt_standstill(measurement: Measurement, note: Callable[[str], None]) -> None:
+    """A motion between rests that were found should end at standstill."""
+    for name, run, u in zip(
+        measurement.group.names, measurement.runs, measurement.drawn.single, strict=True
+    ):
+        if abs(run[-1]) > _SURELY * u[-1]:
+            note(
+                f"{name}: ends at {run[-1]:.3g} m/s, not at standstill: if what was taken for a "
+                "rest is a drive at constant speed, raise --still, or state --rest and --duration"
+            )
+
+
+def _doubt_small_angles(inputs: Inputs, group: Group, note: Callable[[str], None]) -> None:
+    """Eq. (15) is for small angles."""
+    tilt = float(np.max(np.abs(tilts(inputs, group))))
+    if inputs.order == 0 and tilt > SMALL_TILT:
+        note(
+            f"the sensor is tilted by up to {degrees(tilt):.3g}°, where Eq. (15), for small "
+            f"angles, errs by {0.5 * tilt**2:.1%} of gravity's share, which no uncertainty here "
+            "covers: give --tilt-order exact"
+        )
 
 
 def _check_rest(vertical: Any, group: Group) -> None:

@@ -12,7 +12,7 @@ from mcsim.cli.notes import note, silent
 from mcsim.cli.options import NO_SUMMARY, output
 
 if TYPE_CHECKING:
-    from mcsim.api.velocity_options import ReferenceOptions
+    from mcsim.api.velocity_options import KnownOptions, ReferenceOptions
 
 
 class _Options(TypedDict):
@@ -121,9 +121,19 @@ def velocity(files: tuple[Path, ...], **options: Unpack[_Options]) -> None:
     found = velocity_of(
         files,
         options["calibration"],
-        read={key: options[key] for key in ("columns", "units", "run_column")},  # type: ignore[misc]
-        motion={key: options[key] for key in ("rest", "duration", "still", "runs", "align")},  # type: ignore[misc]
-        known={key: options[key] for key in _KNOWN},  # type: ignore[misc]
+        read={
+            "columns": options["columns"],
+            "units": options["units"],
+            "run_column": options["run_column"],
+        },
+        motion={
+            "rest": options["rest"],
+            "duration": options["duration"],
+            "still": options["still"],
+            "runs": options["runs"],
+            "align": options["align"],
+        },
+        known=_known(options),
         reference=_reference(options),
         monte_carlo={"draws": options["draws"], "seed": options["seed"]},
         tell=silent if options["quiet"] else note,
@@ -135,10 +145,18 @@ def velocity(files: tuple[Path, ...], **options: Unpack[_Options]) -> None:
         click.echo("\n".join([*tables, "", found.words, f"{folder / 'velocity.png'}"]))
 
 
-_KNOWN = (
-    "gravity", "gravity_uncertainty", "tilt_change", "unevenness", "axle_distance",
-    "nonlinearity", "interval_uncertainty", "time_errors", "tilt_order",
-)  # fmt: skip
+def _known(options: _Options) -> KnownOptions:
+    return {
+        "gravity": options["gravity"],
+        "gravity_uncertainty": options["gravity_uncertainty"],
+        "tilt_change": options["tilt_change"],
+        "unevenness": options["unevenness"],
+        "axle_distance": options["axle_distance"],
+        "nonlinearity": options["nonlinearity"],
+        "interval_uncertainty": options["interval_uncertainty"],
+        "time_errors": options["time_errors"],
+        "tilt_order": options["tilt_order"],
+    }
 
 
 def _reference(options: _Options) -> ReferenceOptions:

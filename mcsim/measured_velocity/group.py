@@ -143,8 +143,9 @@ def group_of(
     lost = sum(run.lost for run in runs)
     by_samples = align == "samples" or (align == "auto" and lost == 0 and _alike(runs, base))
     n = min(len(run.raw) for run in runs)
+    time: Array
     if by_samples:
-        time = np.mean([run.time[: n + 1] for run in runs], axis=0)
+        time = np.array([run.time[: n + 1] for run in runs]).mean(axis=0)
         raw = np.array([run.raw[:n] for run in runs])
         intervals = np.array([np.diff(run.time[: n + 1]) for run in runs])
     else:

@@ -22,8 +22,9 @@ Flags = NDArray[np.bool_]
 MEAN_OF, _FEWEST, SPANS = 0.1, 5, 8.0
 #: A stretch is still when it lasts so long (s) unless told otherwise.
 STILL = 2.0
-#: Output that moves by less than this (g) has not moved; what a rest may exceed the stillest by.
-_ROUNDING, _UNSTEADY = 1e-9, 4.0
+#: Output that moves by less than this (g) has not moved; what other rests, and the first one, may
+#: exceed the stillest stretch by.
+_ROUNDING, _AS_STILL, _UNSTEADY = 1e-9, 2.0, 4.0
 #: A rest needs so many samples, and so many at the end of a record count as still.
 _LEAST_REST, _LEAST_END = 10, 4
 SAMPLES = "samples"
@@ -96,13 +97,25 @@ def segments(record: RecordedRuns, rule: Rule, single: bool) -> tuple[list[Segme
                 "motion behind"
             )
         found = [Segment(0, start, len(record.time) - 1)]
-        words = f"rest as stated, the first {rule.rest}"
+        words = f"rest as stated, the first {rule.rest}{_restless(record, start)}"
     if rule.duration is not None:
         return _lasting(record, found, rule.duration), f"{words}; motion of {rule.duration}"
     if rule.rest is not None:
         found, told = _until_still(record, found[0])
         words += told
     return found, words
+
+
+def _restless(record: RecordedRuns, start: int) -> str:
+    """What to say of a stated rest at whose end something moves already."""
+    means, width = _means(record)
+    rest, end = means[: start - width // 2], record.raw[max(start - width, 0) : start]
+    off = np.abs(end.mean(axis=0) - np.median(rest, axis=0))
+    quarter = max(len(rest) // 4, 1)
+    spread = np.median([r.std(axis=0) for r in np.array_split(rest, len(rest) // quarter)], axis=0)
+    if np.any(off > SPANS * np.maximum(spread, _ROUNDING)):
+        return f" (its last {MEAN_OF:g} s lie beside the others: does the motion begin before?)"
+    return ""
 
 
 def _lasting(record: RecordedRuns, found: list[Segment], duration: Length) -> list[Segment]:
@@ -123,8 +136,7 @@ def _lasting(record: RecordedRuns, found: list[Segment], duration: Length) -> li
 def _until_still(record: RecordedRuns, segment: Segment) -> tuple[list[Segment], str]:
     """The motion ends where the record stays still; if it never does, with the record."""
     means, width = _means(record)
-    limit = _limit(means[: segment.start], record.name)
-    last = _last_change(means, limit, width)
+    last = _last_change(means, _limit(means[: segment.start].std(axis=0)), width)
     end = last + width // 2 + 1 if last is not None else len(record.time) - 1
     if not segment.start < end < len(record.time) - 1:
         return [segment], "; motion to the end of the record"
@@ -141,15 +153,33 @@ def _means(record: RecordedRuns) -> tuple[Array, int]:
 
     interval = float(np.median(np.diff(record.time)))
     width = max(_FEWEST, round(MEAN_OF / interval))
-    return uniform_filter1d(record.raw, width, axis=0, mode="nearest"), width
+    means = uniform_filter1d(record.raw, width, axis=0, mode="nearest")
+    # Beside the ends there are fewer samples, whose mean would scatter more.
+    half = width // 2
+    means[:half], means[len(means) - half :] = means[half], means[len(means) - half - 1]
+    return means, width
 
 
-def _limit(rest: Array, name: str) -> Array:
-    """How far means may spread (3,) where nothing moves."""
-    limit: Array = SPANS * np.maximum(rest.std(axis=0), _ROUNDING)
-    if np.any(np.ptp(rest, axis=0) > 1.5 * limit):
-        raise InputError(f"{name}: the rest is not still; state where it ends, --rest '10 s'")
-    return limit
+def _limit(deviation: Array) -> Array:
+    """How far means of this deviation (3,) may spread where nothing moves."""
+    return np.asarray(SPANS * np.maximum(deviation, _ROUNDING))
+
+
+def _deviation_at_rest(name: str, means: Array, length: int) -> Array:
+    """Standard deviation (3,) of the means where the record is still, which it begins with.
+
+    It is the median over all blocks of ``length`` samples that are about as still as the stillest.
+    """
+    starts = range(0, len(means) - length + 1, max(length // 2, 1))
+    spreads = np.array([means[at : at + length].std(axis=0) for at in starts])
+    overall = np.sqrt(np.sum(spreads**2, axis=1))
+    quiet = overall <= _AS_STILL * max(float(overall.min()), _ROUNDING)
+    if overall[0] > _UNSTEADY * max(float(overall.min()), _ROUNDING):
+        raise InputError(
+            f"{name}: it does not begin at rest; the tilt needs a rest before the motion: cut the "
+            "file, or state --rest"
+        )
+    return np.asarray(np.median(spreads[quiet], axis=0))
 
 
 def _still(means: Array, limit: Array, length: int) -> Flags:
@@ -187,8 +217,12 @@ def _found(record: RecordedRuns, still: float) -> list[Segment]:
             f"{record.name}: --still {still:g} s: the record, of {record.time[-1]:.4g} s, must "
             f"begin with such a rest, and it must last {_LEAST_END * MEAN_OF:g} s at least"
         )
-    _refuse_moving_start(record.name, means, length)
-    at_rest = _still(means, _limit(means[:length], record.name), length)
+    limit = _limit(_deviation_at_rest(record.name, means, length))
+    at_rest = _still(means, limit, length)
+    if not at_rest[0]:
+        raise InputError(
+            f"{record.name}: it does not begin with a rest of {still:g} s; set --still"
+        )
     edges = np.flatnonzero(np.diff(at_rest.astype(int))) + 1
     found: list[Segment] = []
     first = 0
@@ -200,23 +234,10 @@ def _found(record: RecordedRuns, still: float) -> list[Segment]:
         start = max(begin - half, first + _LEAST_REST)
         end = min(stop + half, len(means) - 1)
         if n + 1 >= len(edges):
-            last = _last_change(means, _limit(means[first:start], record.name), width)
+            last = _last_change(means, limit, width)
             end = min(last + half, end) if last is not None else end
         found.append(Segment(first, start, end))
         first = end
     if not found:
         raise InputError(f"{record.name}: nothing moves in it; state --rest and --duration")
     return found
-
-
-def _refuse_moving_start(name: str, means: Array, length: int) -> None:
-    stillest = min(
-        float(np.max(means[at : at + length].std(axis=0)))
-        for at in range(0, len(means) - length + 1, max(length // 2, 1))
-    )
-    own = float(np.max(means[:length].std(axis=0)))
-    if own > _UNSTEADY * max(stillest, _ROUNDING):
-        raise InputError(
-            f"{name}: it does not begin at rest; the tilt needs a rest before the motion: cut the "
-            "file, or state --rest"
-        )

@@ -9,7 +9,6 @@ import numpy as np
 from mcsim.measured_velocity.measurement import Measurement
 from mcsim.measured_velocity.propagation import tilts
 from mcsim.measured_velocity.reference import Reference
-from mcsim.units import degrees
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,7 +47,7 @@ def run_table(found: Measurement) -> pd.DataFrame:
         "run": np.arange(1, group.runs + 1),
         "from": list(group.names),
         "samples at rest": group.rest_samples,
-        "initial tilt [deg]": degrees(tilts(found.inputs, group)),
+        "initial tilt [deg]": np.degrees(tilts(found.inputs, group)),
         "start of motion [s]": list(group.begins),
         "motion [s]": list(group.lengths),
         "largest velocity [m/s]": found.runs[np.arange(group.runs), _largest(found.runs)],

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from mcsim.gum import Course
+from mcsim.gum import Budget, Course
 from mcsim.gum.words import comparison_words
 from mcsim.measured_velocity.measurement import Measurement
 from mcsim.measured_velocity.reference import Reference
@@ -17,11 +17,22 @@ from mcsim.measured_velocity.reference import Reference
 _ONE, _TWO, _FACTOR = 0.683, 0.95, 1.959963984540054
 #: Coverage that misses by more than this is worth a word.
 _OFF = 0.05
+#: A row at the averages that is less than this part of the mean over the steps hides something.
+_HIDDEN = 0.5
+#: A variance of nothing at all (m²/s²).
+_NOTHING = 1e-300
 
 
-def measured_words(found: Measurement, course: Course, reference: Reference | None) -> str:
+def measured_words(
+    found: Measurement, course: Course, step: Budget, reference: Reference | None
+) -> str:
     """The velocity, what its uncertainties are worth, and how it meets the reference."""
-    first = [*_result(found), *_coverage(found), *_reference(found, reference)]
+    first = [
+        *_result(found),
+        *_coverage(found),
+        *_averages(found, step),
+        *_reference(found, reference),
+    ]
     return "\n".join([*textwrap.wrap(" ".join(first), 100), "", comparison_words(course)])
 
 
@@ -48,7 +59,8 @@ def _coverage(found: Measurement) -> Iterator[str]:
         pairs.append(("Eq. (31) of the mean", found.sums.mean[-1:], found.drawn.mean[-1:]))
     told = []
     for name, stated, real in pairs:
-        ratio = float(np.sqrt(np.mean(stated**2) / max(np.mean(real**2), 1e-300)))
+        of_all = max(float(np.mean(real**2)), _NOTHING)
+        ratio = math.sqrt(float(np.mean(stated**2)) / of_all)
         if abs(_share(ratio) - _ONE) > _OFF:
             told.append(
                 f"± uc by {name} holds {_share(ratio):.0%} (not {_ONE:.0%}) of what Monte Carlo "
@@ -58,6 +70,18 @@ def _coverage(found: Measurement) -> Iterator[str]:
         yield (
             "The equations sum steps as if independent, while calibration, tilt and gravity err "
             f"alike in all of them: at the end {'; '.join(told)}."
+        )
+
+
+def _averages(found: Measurement, step: Budget) -> Iterator[str]:
+    """What averages over the motion hide: a run that ends at rest has no acceleration left."""
+    of_step = step.rows[-1].variance
+    in_the_mean = float(found.sums.by_source["time base"][-1]) ** 2 / found.group.raw.shape[1]
+    if of_step < _HIDDEN * in_the_mean:
+        yield (
+            "The rows of the budget are at averages over the motion, in which speeding up and "
+            f"braking cancel: row 26, Δt, has {of_step:.1g} m²/s² there, the mean of the steps "
+            f"{in_the_mean:.2g} m²/s²."
         )
 
 
