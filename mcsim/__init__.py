@@ -68,6 +68,7 @@ What the commands do:
 * ``convert(sensor, to)``: a sensor in another noise dialect, as text.
 * ``convert_quantity("0.2 °/√h")``: a noise figure in all units and dialects.
 * ``analyse_vibration(file)``: peaks, spectra and orders of a log, or of a simulated scenario.
+* ``compare_vibrations(files)``: what several sensors saw of one vibration, beside each other.
 * ``table(name)``: a printed table of a source beside what is computed.
 * ``validate(file)``, ``schema(kind)``: a scenario checked without a run; the JSON schema.
 
@@ -120,6 +121,7 @@ if TYPE_CHECKING:
     from mcsim.api.linearity import linearity
     from mcsim.api.run import run
     from mcsim.api.scenario_files import schema, validate
+    from mcsim.api.sensor_comparison import compare_vibrations
     from mcsim.api.vibration import analyse_vibration
     from mcsim.cli.command import Command
     from mcsim.dialects import Dialect
@@ -190,6 +192,7 @@ __all__ = [
     "budget",
     "calibrate",
     "characterise",
+    "compare_vibrations",
     "convert",
     "convert_quantity",
     "curves",
@@ -221,6 +224,7 @@ _WHERE = {
     "budget": "mcsim.api.budget",
     "calibrate": "mcsim.api.calibrate",
     "characterise": "mcsim.api.characterise",
+    "compare_vibrations": "mcsim.api.sensor_comparison",
     "convert": "mcsim.api.convert",
     "convert_quantity": "mcsim.api.convert",
     "linearity": "mcsim.api.linearity",

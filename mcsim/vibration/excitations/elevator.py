@@ -21,7 +21,13 @@ from mcsim.scenario.fields import (
     Time,
     reject,
 )
-from mcsim.vibration.excitations.excitation import Array, Excitation, ExcitationBlock
+from mcsim.vibration.excitations.excitation import (
+    Array,
+    Excitation,
+    ExcitationBlock,
+    Tone,
+    Travel,
+)
 
 
 class Hum(Block):
@@ -60,6 +66,26 @@ class Elevator(ExcitationBlock):
             )
         return self
 
+    @property
+    def tones(self) -> tuple[Tone, ...]:
+        """The hum at full speed; none where there is no stretch of it."""
+        knots, _ = elevator_phases(self)
+        span = float(knots[3]), float(knots[4])
+        if span[0] >= span[1]:
+            return ()
+        sums: dict[float, float] = {}
+        for hum in self.hum:
+            sums[hum.frequency] = sums.get(hum.frequency, 0.0) + hum.amplitude
+        return tuple(Tone(f"hum {f:g} Hz", f, sums[f], span=span) for f in sorted(sums))
+
+    @property
+    def travel(self) -> Travel:
+        """The run without its hum."""
+        knots, _ = elevator_phases(self)
+        return Travel(
+            float(knots[0]), float(knots[-1]), self.distance, lambda t: elevator_motion(self, t)
+        )
+
 
 def elevator_phases(block: Elevator) -> tuple[Array, Array]:
     """Times (s) and accelerations (m/s²) where the run's jerk changes, (8,); linear in between."""
@@ -75,13 +101,25 @@ def elevator_phases(block: Elevator) -> tuple[Array, Array]:
 
 def elevator_speed(block: Elevator, time: Array) -> Array:
     """Speed of the car (m/s) at ``time`` (s), (n,): the integral of the phases."""
+    return elevator_motion(block, time)[0]
+
+
+def elevator_motion(block: Elevator, time: Array) -> tuple[Array, Array]:
+    """Speed (m/s) and height (m) of the car at ``time`` (s), all (n,)."""
     knots, values = elevator_phases(block)
-    slopes = np.diff(values) / np.maximum(np.diff(knots), 1e-300)
-    speeds = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2.0 * np.diff(knots))))
+    lengths = np.diff(knots)
+    slopes = np.diff(values) / np.maximum(lengths, 1e-300)
+    speeds = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2.0 * lengths)))
+    # Of a linear acceleration: v dt + (2 a0 + a1) dt² / 6.
+    rises = speeds[:-1] * lengths + (2.0 * values[:-1] + values[1:]) * lengths**2 / 6.0
+    heights = np.concatenate(([0.0], np.cumsum(rises)))
     at = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, len(slopes) - 1)
     since = np.clip(time, knots[0], knots[-1]) - knots[at]
     speed: Array = speeds[at] + values[at] * since + 0.5 * slopes[at] * since**2
-    return speed
+    height: Array = (
+        heights[at] + speeds[at] * since + values[at] * since**2 / 2.0 + slopes[at] * since**3 / 6.0
+    )
+    return speed, height
 
 
 def _acceleration(block: Elevator, time: Array, _: float) -> Array:
