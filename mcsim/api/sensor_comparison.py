@@ -87,7 +87,17 @@ class SensorComparison(Found):
             for text in s.filters.notes
             if text.startswith("no ")
         ]
-        return (f"filters: {design(chain)}", *refused)
+        return (f"filters: {design(chain)}", *refused, *self._cut_short())
+
+    def _cut_short(self) -> list[str]:
+        if self.scenario is None or self.scenario.excitation.travel is None:
+            return []
+        moved = self.found.motions or ((),) * len(self.found.sensors)
+        return [
+            f"{s.seen.name}: it does not hold the whole run; no velocity and height"
+            for s, motions in zip(self.found.sensors, moved, strict=True)
+            if not motions
+        ]
 
     def report(self) -> Report:
         """Files ``table``, ``orders``, ``travel``, ``response``, logs, and the figures of each."""

@@ -29,7 +29,7 @@ def aligned(seen: Sequence[Seen], base: Seen, chain: Chain) -> list[Seen]:
     base : Seen
         Whose clock the others take; it may be one of them.
     chain : Chain
-        Filters before the correlation.
+        Filters before the correlation; its moving average is left out.
 
     Raises
     ------
@@ -73,7 +73,9 @@ def _lag(base: Seen, other: Seen, chain: Chain) -> float:
 
 def _evenly(seen: Seen, rate: float, chain: Chain) -> Array:
     """Filtered at its own rate, then at a common one."""
-    filtered = filters(chain, seen.log.rate).apply(seen.log.samples)[:, 0]
+    # A moving average of an even number of samples is late by half a sample.
+    steps = filters(chain.model_copy(update={"moving_average": 0}), seen.log.rate)
+    filtered = steps.apply(seen.log.samples)[:, 0]
     own = seen.time - seen.time[0]
     return np.interp(np.arange(0.0, own[-1], 1.0 / rate), own, filtered)
 

@@ -94,7 +94,7 @@ def compare(
         sought = _strongest(sensors[reference or 0])
     found = [[_find(sensor, tone) for tone in sought] for sensor in sensors]
     travel = excitation.travel if excitation else None
-    moved = tuple(motions(s.seen, s.filters, travel) for s in sensors) if travel else None
+    moved = tuple(motions(s.seen, s.filters, travel) for s in sensors) if travel else ()
     names = [one.name for one in seen]
     response = responses(seen, reference, excitation, duration) if excitation else None
     return Comparison(
@@ -103,8 +103,8 @@ def compare(
         tones=sought,
         table=_table(sensors, reference, response),
         orders=_orders(sensors, reference, sought, found) if sought else None,
-        motions=moved,
-        travel=travel_table(names, moved, travel) if moved and travel else None,
+        motions=moved if any(moved) else None,
+        travel=travel_table(names, moved, travel) if any(moved) and travel else None,
         response=response,
     )
 

@@ -70,10 +70,7 @@ def in_words(steps: Filters) -> tuple[str, ...]:
     chain, rate = steps.chain, steps.rate
     said = []
     if chain.moving_average > 1:
-        n = chain.moving_average
-        said.append(
-            f"moving average of {n} samples at {rate:.4g} Hz: nothing left at {rate / n:.4g} Hz"
-        )
+        said.append(_average(chain.moving_average, rate))
     if steps.high_pass is not None:
         at = half_power_of_high_pass(chain.high_pass, rate)
         said.append(_pass("high-pass", chain.high_pass, at))
@@ -83,6 +80,14 @@ def in_words(steps: Filters) -> tuple[str, ...]:
     if not said:
         return ("no filter acts; the mean is removed",)
     return (*said, f"together: {_together(*band(steps))}")
+
+
+def _average(count: int, rate: float) -> str:
+    late = "" if count % 2 else f", late by half a sample ({500.0 / rate:.3g} ms)"
+    return (
+        f"moving average of {count} samples at {rate:.4g} Hz: nothing left at {rate / count:.4g} Hz"
+        f"{late}"
+    )
 
 
 def _pass(name: str, cut_off: float, half_power: float) -> str:

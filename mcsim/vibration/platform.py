@@ -36,8 +36,8 @@ class Seen:
 
     ``log`` has one channel; ``time`` (n,) are its samples' times (s) on the clock that all
     sensors share; ``ideal`` (n,) is the excitation's acceleration (m/s²) at those times, None
-    where nobody knows it; ``bandwidth`` in Hz, nan if unknown; ``lag`` (s) is by how much its own
-    clock was behind, nan if that was not looked for.
+    where nobody knows it; ``bandwidth`` in Hz, nan if unknown or unlimited; ``lag`` (s)
+    is by how much its own clock was behind, nan if that was not looked for.
     """
 
     name: str
@@ -116,8 +116,8 @@ def _of_platform() -> list[str]:
 _GROUPS: dict[str, Callable[[], list[str]]] = {ALL: _all, PLATFORM: _of_platform}
 
 
-def scenario_of(path: Path, sensor: str) -> tuple[VibrationScenario, str]:
-    """The scenario in a file as one sensor sees it, and the sensor's name.
+def scenario_of(path: Path, sensor: str) -> tuple[VibrationScenario, str, tuple[str, ...]]:
+    """The scenario in a file as one sensor sees it, the sensor's name, and what to know of it.
 
     It samples at the rate after its ``@``, else at that of the catalogue (measured, else of the
     data sheet), else at the scenario's.  Its random numbers are its own: the seed is the
@@ -134,7 +134,9 @@ def scenario_of(path: Path, sensor: str) -> tuple[VibrationScenario, str]:
     scenario = read_vibration(path, model, stated or own, f"--sensors {sensor}")
     name = built_in.name if built_in else Path(model).stem
     seed = (scenario.seed + zlib.crc32(name.encode())) % LARGEST_SEED
-    return scenario.model_copy(update={"seed": seed}), name
+    note = f"{name}: no source gives its rate; it samples at the scenario's {scenario.rate:.6g} Hz"
+    notes = () if stated or own else (note,)
+    return scenario.model_copy(update={"seed": seed}), name, notes
 
 
 def simulate_seen(path: Path, sensors: Sequence[str], tell: Callable[[str], None]) -> list[Seen]:
@@ -156,9 +158,10 @@ def simulate_seen(path: Path, sensors: Sequence[str], tell: Callable[[str], None
     """
     scenarios = [scenario_of(path, sensor) for sensor in sensors]
     seen = []
-    for scenario, name in scenarios:
+    for scenario, name, notes in scenarios:
         tell(f"{name}: {scenario.duration:g} s at {scenario.rate:.6g} Hz")
-        seen.append(_simulated(scenario, name))
+        one = _simulated(scenario, name)
+        seen.append(replace(one, log=replace(one.log, notes=(*one.log.notes, *notes))))
     return seen
 
 
@@ -168,7 +171,8 @@ def _simulated(scenario: VibrationScenario, name: str) -> Seen:
     alone = replace(log, channels=(scenario.along,), samples=log.samples[:, place : place + 1])
     axis = 0 if len(log.channels) == 1 else AXES.index(scenario.along)
     width = errors_of(scenario, len(log.channels)).bandwidths[axis]
-    return Seen(name, alone, log.time, ideal_of(scenario, log.time), width)
+    known = width if np.isfinite(width) else float("nan")
+    return Seen(name, alone, log.time, ideal_of(scenario, log.time), known)
 
 
 def ideal_of(scenario: VibrationScenario, time: Array) -> Array:

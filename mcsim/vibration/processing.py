@@ -24,7 +24,9 @@ _HIGHEST_CUT_OFF = 0.45
 
 @dataclass(frozen=True)
 class Filters:
-    """The chain at a given rate: moving average, high-pass, low-pass, all without delay.
+    """The chain at a given rate: moving average, high-pass, low-pass.
+
+    None delays, but a moving average of an even number of samples: by half a sample.
 
     ``notes`` name the steps that this rate leaves nothing to do for.
     """

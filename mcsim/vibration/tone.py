@@ -59,8 +59,9 @@ class FoundTone:
         """Amplitude over that which noise has there in quadratic mean (dB)."""
         if not self.amplitude > 0.0:
             return math.nan
-        with np.errstate(divide="ignore"):
-            return float(20.0 * np.log10(self.amplitude / (math.sqrt(2.0) * self.u_amplitude)))
+        if self.u_amplitude == 0.0:
+            return math.inf
+        return 20.0 * math.log10(self.amplitude / (math.sqrt(2.0) * self.u_amplitude))
 
 
 NOT_FOUND = FoundTone(math.nan, math.nan, math.nan, math.nan, math.nan)
@@ -93,7 +94,7 @@ def find_tone(signal: Array, rate: float, frequency: float, width: float) -> Fou
     noise = float(np.median(beside)) / math.log(2.0) if len(beside) else math.nan
     amplitude = 2.0 * level / float(weights.sum())
     u_frequency, u_amplitude = _uncertainties(weights, rate, amplitude, noise)
-    chance = _chance(level**2 / noise if noise != 0.0 else math.inf, len(band), len(beside))
+    chance = _chance(_ratio(level**2, noise), len(band), len(beside))
     return FoundTone(found, amplitude, u_frequency, u_amplitude, chance)
 
 
@@ -139,6 +140,12 @@ def _uncertainties(
     spread = math.sqrt(doubled * float((weights * time) @ (weights * time)))
     u_turn = spread / (amplitude * float(weights @ time**2))
     return u_turn / (2.0 * math.pi), u_amplitude
+
+
+def _ratio(power: float, noise: float) -> float:
+    if noise != 0.0:
+        return power / noise
+    return math.inf if power > 0.0 else 0.0
 
 
 def _chance(ratio: float, bins: int, beside: int) -> float:

@@ -53,8 +53,10 @@ class Motion:
 
 
 def motions(seen: Seen, steps: Filters, travel: Travel) -> tuple[Motion, ...]:
-    """The run by each way of removing the drift that the log allows."""
+    """The run by each way of removing the drift that the log allows; none of a run cut short."""
     time, signal, interval = seen.time, seen.signal, 1.0 / seen.log.rate
+    if time[0] > travel.start or time[-1] < travel.end:
+        return ()
     run = (time >= travel.start - interval) & (time <= travel.end + interval)
     before, after = time < travel.start, time > travel.end
     length = travel.end - travel.start
