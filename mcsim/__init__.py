@@ -71,6 +71,7 @@ What the commands do:
   ``mcsim allan``.
 * ``analyse_vibration(file)``: peaks, spectra and orders of a log, or of a simulated scenario.
 * ``velocity(files, calibration)``: recorded runs to v(t) of each, their mean and uc; m/s.
+* ``compare_vibrations(files)``: what several sensors saw of one vibration, beside each other.
 * ``table(name)``: a printed table of a source beside what is computed.
 * ``validate(file)``, ``schema(kind)``: a scenario checked without a run; the JSON schema.
 
@@ -124,6 +125,7 @@ if TYPE_CHECKING:
     from mcsim.api.linearity import linearity
     from mcsim.api.run import run
     from mcsim.api.scenario_files import schema, validate
+    from mcsim.api.sensor_comparison import compare_vibrations
     from mcsim.api.velocity import velocity
     from mcsim.api.vibration import analyse_vibration
     from mcsim.cli.command import Command
@@ -196,6 +198,7 @@ __all__ = [
     "budget",
     "calibrate",
     "characterise",
+    "compare_vibrations",
     "convert",
     "convert_quantity",
     "curves",
@@ -228,6 +231,7 @@ _WHERE = {
     "budget": "mcsim.api.budget",
     "calibrate": "mcsim.api.calibrate",
     "characterise": "mcsim.api.characterise",
+    "compare_vibrations": "mcsim.api.sensor_comparison",
     "convert": "mcsim.api.convert",
     "convert_quantity": "mcsim.api.convert",
     "linearity": "mcsim.api.linearity",

@@ -22,6 +22,9 @@ CALLS = {
     "budget": f"mcsim.budget(mcsim.Scenario.from_yaml({str(A1)!r})).table",
     "calibrate": f"mcsim.calibrate({str(A1)!r}, samples=20).table",
     "characterise": "mcsim.characterise('static.csv', read={'rate': 100.0}).allan",
+    "compare_vibrations": (
+        f"mcsim.compare_vibrations([{str(ENGINE)!r}], sensors='MPU-9250,BNO055').found.table"
+    ),
     "convert": "mcsim.convert('MPU-9250', rate=100.0, axis='x').texts",
     "convert_quantity": "mcsim.convert_quantity('0.2 °/√h').rows",
     "linearity": f"mcsim.linearity({str(A1)!r}).table",

@@ -14,6 +14,7 @@ from mcsim.report import Report
 from mcsim.scenario.document import Document, PathKey
 from mcsim.scenario.validation import validate
 from mcsim.vibration.analysis import Analysis, Engine, analyse
+from mcsim.vibration.filter_words import in_words
 from mcsim.vibration.log import Log, read_vibration_log
 from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
 from mcsim.vibration.simulation import simulate
@@ -81,7 +82,7 @@ class Vibration(Found):
         if self.simulated:
             tables["log"] = _log_table(found.log)
         return Report(
-            provenance=self.origin,
+            provenance={**self.origin, "filters": in_words(found.filters)},
             tables=tables,
             pictures=printed(draw_vibration(found, self.title), "figure"),
             nine_digits=tables,
@@ -134,15 +135,15 @@ def analyse_vibration(
         other of the two, or that make no sense.
     """
     path, scenario = Path(file), None
-    if path.suffix.casefold() in _SCENARIO_ENDINGS:
+    if is_scenario(path):
         if read:
             raise InputError(
                 "--rate, --time, --unit, --channel, --topic, --start and --end belong to a log, "
                 "not to a scenario"
             )
         scenario = read_vibration(path, sensor)
-    chain = _chain(scenario.analysis if scenario else Chain(), filters or {})
-    engine = _engine(rpm, cylinders, scenario)
+    chain = chain_of(scenario.analysis if scenario else Chain(), filters or {})
+    engine = engine_of(rpm, cylinders, scenario)
     if scenario is not None:
         log = simulate(scenario, path.stem, progress)
     elif sensor is not None:
@@ -155,7 +156,13 @@ def analyse_vibration(
     seed = scenario.seed if scenario else None
     origin = provenance_of("vibration", [path], {**options, **(read or {})}, seed)
     title = _title(path.stem, scenario)
-    return Vibration(title, analyse(log, chain, engine), scenario is not None, origin)
+    tones = scenario.excitation.tones if scenario else ()
+    return Vibration(title, analyse(log, chain, engine, tones), scenario is not None, origin)
+
+
+def is_scenario(path: Path) -> bool:
+    """Whether a file is a scenario, by the ending of its name, and no log."""
+    return path.suffix.casefold() in _SCENARIO_ENDINGS
 
 
 def _title(name: str, scenario: VibrationScenario | None) -> str:
@@ -165,16 +172,17 @@ def _title(name: str, scenario: VibrationScenario | None) -> str:
     return title
 
 
-def _chain(base: Chain, settings: FilterOptions) -> Chain:
+def chain_of(base: Chain, settings: FilterOptions) -> Chain:
     """The scenario's chain with what the options change."""
     places: dict[PathKey, str] = {(key,): f"--{key.replace('_', '-')}" for key in settings}
     tree = {**base.model_dump(), **settings}
     return validate(Document(tree, "options", overrides=places), Chain)
 
 
-def _engine(
+def engine_of(
     rpm: float | None, cylinders: int | None, scenario: VibrationScenario | None
 ) -> Engine | None:
+    """The engine whose orders are looked for, if there is one."""
     if rpm is not None:
         if not 0.0 < rpm < 1e6:
             raise InputError(f"--rpm {rpm:g}: must be above zero and below a million")

@@ -61,6 +61,12 @@ class Sensor:
         """Axes of an element: three, or one."""
         return int(self.traits[element].get("axes", 3))
 
+    def rate(self, element: str) -> str | None:
+        """Output rate with its unit: as measured, else by the data sheet, else nobody's."""
+        said = [r for r in self.records[element] if "rate" in r.quantities]
+        rates = {record.origin: str(record.quantities["rate"]) for record in said}
+        return rates.get(ORIGINS["measured"]) or rates.get(ORIGINS["data_sheet"])
+
     def ac_coupled(self, element: str) -> bool:
         """Whether an element passes no constant acceleration, such as gravity."""
         return self.traits[element].get("coupling") == "AC"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -9,10 +11,12 @@ from numpy.typing import NDArray
 
 from mcsim.figures.style import house_style, log_scale, set_title
 from mcsim.vibration.analysis import Analysis
+from mcsim.vibration.excitations.excitation import Tone
+from mcsim.vibration.filter_words import in_short
 from mcsim.vibration.spectra import Spectrum
 
-_RAW, _FILTERED = "#b8c0cc", "#1b4965"
-_ORDER = "#d1495b"
+RAW, FILTERED = "#b8c0cc", "#1b4965"
+ORDER = "#d1495b"
 #: Points of a curve over time beyond which its envelope is drawn instead.
 _MOST_POINTS = 4000
 #: The spectra reach to this multiple of the low-pass, and show at most these many decades.
@@ -38,29 +42,42 @@ def draw_vibration(analysis: Analysis, title: str, channel: int | None = None) -
         _spectrum(axes["density"], analysis, analysis.welch, index)
         axes["density"].set_ylabel("density, Welch [(m/s²)²/Hz]")
         _spectrogram(figure, axes["map"], analysis, index)
-        handles, labels = axes["time"].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=2)
         set_title(figure, f"{title} – {analysis.log.channels[index]} axis")
+        legend_with_foot(figure, axes["time"], f"filtered: {in_short(analysis.filters)}")
     return figure
+
+
+def legend_with_foot(figure: Figure, axes: Axes, text: str) -> None:
+    """One legend below all panels, under a line that says how the picture was made."""
+    handles, labels = axes.get_legend_handles_labels()
+    width = 0.075 * max(map(len, labels)) + 0.55
+    legend = figure.legend(
+        handles,
+        labels,
+        loc="outside lower center",
+        ncols=max(1, min(len(labels), int(figure.get_figwidth() / width))),
+        title="\n".join(textwrap.wrap(text, int(15.0 * figure.get_figwidth()))),
+    )
+    legend.get_title().set(fontsize=7.5, color="#6b7280", ha="center")
 
 
 def _over_time(axes: Axes, analysis: Analysis, channel: int) -> None:
     time = analysis.log.time
     for signal, colour, label in (
-        (analysis.raw, _RAW, "raw, mean removed"),
-        (analysis.filtered, _FILTERED, f"filtered, {_band(analysis)}"),
+        (analysis.raw, RAW, "raw, mean removed"),
+        (analysis.filtered, FILTERED, f"filtered, {_band(analysis)}"),
     ):
-        _draw_curve(axes, time, signal[:, channel], colour, label)
+        draw_curve(axes, time, signal[:, channel], colour, label)
     axes.set(xlabel="time [s]", ylabel="acceleration [m/s²]")
     axes.set_xlim(time[0], time[-1])
 
 
 def _band(analysis: Analysis) -> str:
     chain = analysis.filters.chain
-    return f"{chain.high_pass:g} to {chain.low_pass:g} Hz"
+    return f"{chain.high_pass:g} to {chain.low_pass:g} Hz (−6 dB)"
 
 
-def _draw_curve(
+def draw_curve(
     axes: Axes, time: NDArray[np.float64], signal: NDArray[np.float64], colour: str, label: str
 ) -> None:
     """A curve; of a long one, the band between its extremes."""
@@ -85,7 +102,7 @@ def _spectrum(
 ) -> None:
     top = floor = 0.0
     highest = _highest(analysis)
-    for spectrum, colour in zip(pair, (_RAW, _FILTERED), strict=True):
+    for spectrum, colour in zip(pair, (RAW, FILTERED), strict=True):
         shown = (spectrum.frequency > 0.0) & (spectrum.frequency <= highest)
         levels = spectrum.levels[shown, channel]
         axes.plot(spectrum.frequency[shown], levels, color=colour, linewidth=1.0)
@@ -107,24 +124,27 @@ def _highest(analysis: Analysis) -> float:
 
 
 def _mark_orders(axes: Axes, analysis: Analysis, highest: float) -> None:
-    if analysis.engine is None:
-        return
-    for order in analysis.engine.orders:
-        frequency = analysis.engine.frequency(order)
+    for tone in analysis.tones:
+        frequency = tone.frequency
         if frequency > highest:
             continue
-        axes.axvline(frequency, color=_ORDER, linewidth=0.8, linestyle="--", zorder=1.5)
+        axes.axvline(frequency, color=ORDER, linewidth=0.8, linestyle="--", zorder=1.5)
         axes.annotate(
-            f"order {order:g}: {frequency:.4g} Hz",
+            tone_words(tone),
             (frequency, 1.0),
             xycoords=("data", "axes fraction"),
             xytext=(3, -2),
             textcoords="offset points",
-            color=_ORDER,
+            color=ORDER,
             fontsize=7.5,
             rotation=90,
             va="top",
         )
+
+
+def tone_words(tone: Tone) -> str:
+    """A tone by name and frequency, which some have in their names."""
+    return tone.name if tone.name.endswith("Hz") else f"{tone.name}: {tone.frequency:.4g} Hz"
 
 
 def _spectrogram(figure: Figure, axes: Axes, analysis: Analysis, channel: int) -> None:

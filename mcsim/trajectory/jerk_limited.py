@@ -48,10 +48,23 @@ def phases(up: Ramp, cruise: float, down: Ramp) -> tuple[Array, Array]:
 
 def speed_of(knots: Array, accelerations: Array, time: Array) -> Array:
     """Speed (m/s) at ``time`` (s), (n,): the integral of phases that begin at rest."""
-    slopes = np.diff(accelerations) / np.maximum(np.diff(knots), 1e-300)
-    means = (accelerations[1:] + accelerations[:-1]) / 2.0
-    speeds = np.concatenate(([0.0], np.cumsum(means * np.diff(knots))))
+    return motion_of(knots, accelerations, time)[0]
+
+
+def motion_of(knots: Array, accelerations: Array, time: Array) -> tuple[Array, Array]:
+    """Speed (m/s) and way (m) at ``time`` (s), all (n,), of phases that begin at rest."""
+    lengths = np.diff(knots)
+    slopes = np.diff(accelerations) / np.maximum(lengths, 1e-300)
+    before, after = accelerations[:-1], accelerations[1:]
+    speeds = np.concatenate(([0.0], np.cumsum((before + after) / 2.0 * lengths)))
+    # Of a linear acceleration: v dt + (2 a0 + a1) dt² / 6.
+    ways = speeds[:-1] * lengths + (2.0 * before + after) * lengths**2 / 6.0
+    starts = np.concatenate(([0.0], np.cumsum(ways)))
     at = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, len(slopes) - 1)
     since = np.clip(time, knots[0], knots[-1]) - knots[at]
-    speed: Array = speeds[at] + accelerations[at] * since + 0.5 * slopes[at] * since**2
-    return speed
+    acceleration, slope = accelerations[at], slopes[at]
+    speed: Array = speeds[at] + acceleration * since + 0.5 * slope * since**2
+    way: Array = (
+        starts[at] + speeds[at] * since + acceleration * since**2 / 2.0 + slope * since**3 / 6.0
+    )
+    return speed, way

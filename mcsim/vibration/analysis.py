@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.errors import InputError
+from mcsim.vibration.excitations.excitation import Tone
 from mcsim.vibration.log import Log
 from mcsim.vibration.processing import Filters, filters
 from mcsim.vibration.scenario import Chain
@@ -56,11 +57,14 @@ class Engine:
 
 @dataclass(frozen=True)
 class Analysis:
-    """What an analysis found; arrays (n, channels), raw and filtered without mean."""
+    """What an analysis found; arrays (n, channels), raw and filtered without mean.
+
+    ``tones`` are what was looked for: the orders of an engine, the tones of a scenario.
+    """
 
     log: Log
     filters: Filters
-    engine: Engine | None
+    tones: tuple[Tone, ...]
     raw: Array
     filtered: Array
     table: pd.DataFrame
@@ -80,7 +84,9 @@ class Analysis:
         return int(np.argmax(self.filtered.std(axis=0)))
 
 
-def analyse(log: Log, chain: Chain, engine: Engine | None = None) -> Analysis:
+def analyse(
+    log: Log, chain: Chain, engine: Engine | None = None, tones: Sequence[Tone] = ()
+) -> Analysis:
     """Filter a log, and take its figures and spectra.
 
     Parameters
@@ -91,6 +97,9 @@ def analyse(log: Log, chain: Chain, engine: Engine | None = None) -> Analysis:
         Moving average, high-pass and low-pass.
     engine : Engine, optional
         Whose orders to look for.
+    tones : sequence of Tone
+        What else to look for, in the stretch of time where it is steady; those that are no
+        engine's have no order.
 
     Raises
     ------
@@ -104,6 +113,7 @@ def analyse(log: Log, chain: Chain, engine: Engine | None = None) -> Analysis:
             "(--moving-average, `analysis.moving_average`)"
         )
     steps = filters(chain, log.rate)
+    sought = _sought(engine, tones)
     raw: Array = log.samples - log.samples.mean(axis=0)
     filtered = steps.apply(log.samples)
     amplitude = amplitude_spectrum(raw, log.rate), amplitude_spectrum(filtered, log.rate)
@@ -111,11 +121,11 @@ def analyse(log: Log, chain: Chain, engine: Engine | None = None) -> Analysis:
     return Analysis(
         log=log,
         filters=steps,
-        engine=engine,
+        tones=tuple(sought),
         raw=raw,
         filtered=filtered,
         table=_table(log, raw, filtered, steps),
-        orders=_orders(log, raw, filtered, steps, engine, amplitude[0]) if engine else None,
+        orders=_orders(log, raw, filtered, steps, sought, amplitude[0]) if sought else None,
         spectrum=_tidy(log.channels, amplitude, "amplitude", "m/s^2"),
         density=_tidy(log.channels, densities, "density", "(m/s^2)^2/Hz"),
         amplitude=amplitude,
@@ -150,23 +160,37 @@ def _figures(signal: Array, unit: str, prefix: str) -> dict[str, float]:
     }
 
 
+def _sought(engine: Engine | None, tones: Sequence[Tone]) -> list[Tone]:
+    """The orders of an engine, and the tones that are none of them, by frequency."""
+    orders = engine.orders if engine else ()
+    found = [Tone(f"order {o:g}", engine.frequency(o), order=o) for o in orders if engine]
+    found += [tone for tone in tones if tone.order is None or tone.order not in orders]
+    return sorted(found, key=lambda tone: tone.frequency)
+
+
 def _orders(
-    log: Log, raw: Array, filtered: Array, steps: Filters, engine: Engine, spectrum: Spectrum
+    log: Log,
+    raw: Array,
+    filtered: Array,
+    steps: Filters,
+    tones: Sequence[Tone],
+    spectrum: Spectrum,
 ) -> pd.DataFrame:
     """The tone at each order: where it is, how large, and how far above the noise."""
     import pandas as pd
 
     rows = []
     for i, channel in enumerate(log.channels):
-        for order in engine.orders:
-            wanted = engine.frequency(order)
+        for tone in tones:
+            wanted = tone.frequency
             width = _ORDER_WIDTH * wanted
-            before, found = tone_amplitude(raw[:, i], log.rate, wanted, width)
-            after, _ = tone_amplitude(filtered[:, i], log.rate, wanted, width)
+            steady = _steady(log, tone)
+            before, found = tone_amplitude(raw[steady, i], log.rate, wanted, width)
+            after, _ = tone_amplitude(filtered[steady, i], log.rate, wanted, width)
             rows.append(
                 {
                     "channel": channel,
-                    "order": order,
+                    "order": float("nan") if tone.order is None else tone.order,
                     "expected [Hz]": wanted,
                     "found [Hz]": found,
                     "amplitude_raw [m/s^2]": before,
@@ -176,6 +200,14 @@ def _orders(
                 }
             )
     return pd.DataFrame(rows)
+
+
+def _steady(log: Log, tone: Tone) -> slice:
+    """The samples in which a tone is steady."""
+    if tone.span is None:
+        return slice(None)
+    first, last = np.searchsorted(log.time, tone.span)
+    return slice(int(first), int(last))
 
 
 def _above_noise(spectrum: Spectrum, channel: int, frequency: float, width: float) -> float:

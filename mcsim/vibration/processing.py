@@ -15,7 +15,7 @@ from mcsim.vibration.scenario import Chain
 Array = NDArray[np.float64]
 
 #: Butterworth, forward and backward: twice the order, no delay, -6 dB at the cut-off.
-_ORDER = 4
+ORDER = 4
 #: Periods of the lowest cut-off in which its transient is gone.
 _SETTLING = 3.0
 #: A low-pass above this share of the rate has nothing to do.
@@ -24,7 +24,9 @@ _HIGHEST_CUT_OFF = 0.45
 
 @dataclass(frozen=True)
 class Filters:
-    """The chain at a given rate: moving average, high-pass, low-pass, all without delay.
+    """The chain at a given rate: moving average, high-pass, low-pass.
+
+    None delays, but a moving average of an even number of samples: by half a sample.
 
     ``notes`` name the steps that this rate leaves nothing to do for.
     """
@@ -83,12 +85,12 @@ def filters(chain: Chain, rate: float) -> Filters:
     highest = _HIGHEST_CUT_OFF * rate
     if chain.high_pass > 0.0:
         if chain.high_pass < highest:
-            high_pass = butter(_ORDER, chain.high_pass, "highpass", fs=rate, output="sos")
+            high_pass = butter(ORDER, chain.high_pass, "highpass", fs=rate, output="sos")
         else:
             notes.append(f"no high-pass: {chain.high_pass:g} Hz is too high for {rate:.4g} Hz")
     if chain.low_pass > 0.0:
         if chain.low_pass < highest:
-            low_pass = butter(_ORDER, chain.low_pass, "lowpass", fs=rate, output="sos")
+            low_pass = butter(ORDER, chain.low_pass, "lowpass", fs=rate, output="sos")
         else:
             notes.append(f"no low-pass: a rate of {rate:.4g} Hz ends below {chain.low_pass:g} Hz")
     zero = rate / chain.moving_average if chain.moving_average > 1 else np.inf

@@ -12,7 +12,7 @@ from pydantic import model_validator
 from mcsim import catalogue
 from mcsim.errors import InputError
 from mcsim.scenario.block import Block, Whole
-from mcsim.scenario.document import read_document
+from mcsim.scenario.document import PathKey, read_document
 from mcsim.scenario.fields import Frequency, NotNegative, Positive, Time, reject
 from mcsim.scenario.named_sensor import NamedAccelerometer
 from mcsim.scenario.run import LARGEST_SEED
@@ -87,8 +87,12 @@ def is_vibration(path: Path) -> bool:
     return bool(read_document(path).tree.get("case") == CASE)
 
 
-def read_vibration(path: Path, sensor: str | None = None) -> VibrationScenario:
-    """The vibration scenario in a file; ``sensor`` takes the place of its own.
+def read_vibration(
+    path: Path, sensor: str | None = None, rate: str | None = None, option: str = "--sensor"
+) -> VibrationScenario:
+    """The vibration scenario in a file; ``sensor`` and ``rate`` take the place of its own.
+
+    ``option`` is what messages say of the two.
 
     Raises
     ------
@@ -99,9 +103,12 @@ def read_vibration(path: Path, sensor: str | None = None) -> VibrationScenario:
     case = document.tree.get("case")
     if case != CASE:
         raise InputError(f'{document.place(("case",))}: case: "{case}" is not `case: {CASE}`')
+    given = {"sensor": sensor, "rate": rate}
+    chosen = {key: value for key, value in given.items() if value is not None}
+    if chosen:
+        overrides: dict[PathKey, str] = {(key,): option for key in chosen}
+        document = replace(document, tree={**document.tree, **chosen}, overrides=overrides)
     if sensor is not None:
-        tree = {**document.tree, "sensor": sensor}
-        document = replace(document, tree=tree, overrides={("sensor",): "--sensor"})
         # An option's file lies where the command is given.
         document = replace(document, folder=Path())
     scenario = validate(document, VibrationScenario)

@@ -21,8 +21,14 @@ from mcsim.scenario.fields import (
     Time,
     reject,
 )
-from mcsim.trajectory.jerk_limited import Ramp, phases, speed_of
-from mcsim.vibration.excitations.excitation import Array, Excitation, ExcitationBlock
+from mcsim.trajectory.jerk_limited import Ramp, motion_of, phases
+from mcsim.vibration.excitations.excitation import (
+    Array,
+    Excitation,
+    ExcitationBlock,
+    Tone,
+    Travel,
+)
 
 
 class Hum(Block):
@@ -61,6 +67,26 @@ class Elevator(ExcitationBlock):
             )
         return self
 
+    @property
+    def tones(self) -> tuple[Tone, ...]:
+        """The hum at full speed; none where there is no stretch of it."""
+        knots, _ = elevator_phases(self)
+        span = float(knots[3]), float(knots[4])
+        if span[0] >= span[1]:
+            return ()
+        sums: dict[float, float] = {}
+        for hum in self.hum:
+            sums[hum.frequency] = sums.get(hum.frequency, 0.0) + hum.amplitude
+        return tuple(Tone(f"hum {f:g} Hz", f, sums[f], span=span) for f in sorted(sums))
+
+    @property
+    def travel(self) -> Travel:
+        """The run without its hum."""
+        knots, _ = elevator_phases(self)
+        return Travel(
+            float(knots[0]), float(knots[-1]), self.distance, lambda t: elevator_motion(self, t)
+        )
+
 
 def elevator_phases(block: Elevator) -> tuple[Array, Array]:
     """Times (s) and accelerations (m/s²) where the run's jerk changes, (8,); linear in between."""
@@ -71,7 +97,12 @@ def elevator_phases(block: Elevator) -> tuple[Array, Array]:
 
 def elevator_speed(block: Elevator, time: Array) -> Array:
     """Speed of the car (m/s) at ``time`` (s), (n,): the integral of the phases."""
-    return speed_of(*elevator_phases(block), time)
+    return elevator_motion(block, time)[0]
+
+
+def elevator_motion(block: Elevator, time: Array) -> tuple[Array, Array]:
+    """Speed (m/s) and height (m) of the car at ``time`` (s), all (n,)."""
+    return motion_of(*elevator_phases(block), time)
 
 
 def _acceleration(block: Elevator, time: Array, _: float) -> Array:

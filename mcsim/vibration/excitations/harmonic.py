@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from typing import Annotated, Literal
 
@@ -10,7 +11,7 @@ from annotated_types import Ge, Le, Len
 
 from mcsim.scenario.block import Block, Whole
 from mcsim.scenario.fields import Acceleration, Angle, NotNegative, Positive, RotationalSpeed
-from mcsim.vibration.excitations.excitation import Array, Excitation, ExcitationBlock
+from mcsim.vibration.excitations.excitation import Array, Excitation, ExcitationBlock, Tone
 
 
 class Order(Block):
@@ -35,6 +36,17 @@ class Harmonic(ExcitationBlock):
     @property
     def engine(self) -> tuple[float, int]:
         return self.speed, self.cylinders
+
+    @property
+    def tones(self) -> tuple[Tone, ...]:
+        """One per order; what is written of an order more than once adds up by phase."""
+        sums: dict[float, complex] = {}
+        for part in self.orders:
+            sums[part.order] = sums.get(part.order, 0.0) + cmath.rect(part.amplitude, part.phase)
+        return tuple(
+            Tone(f"order {order:g}", order * self.speed, abs(sums[order]), order)
+            for order in sorted(sums)
+        )
 
 
 def _acceleration(block: Harmonic, time: Array, _: float) -> Array:

@@ -30,15 +30,17 @@ class Sweep(ExcitationBlock):
             raise reject("`first` and `last` are equal; a harmonic excitation does that")
         return self
 
+    def cycles(self, time: Array, duration: float) -> Array:
+        first, last = self.first, self.last
+        if self.scale == "linear":
+            return first * time + (last - first) * time**2 / (2.0 * duration)
+        octaves = math.log(last / first)
+        cycles: Array = first * duration / octaves * np.expm1(octaves * time / duration)
+        return cycles
+
 
 def _acceleration(block: Sweep, time: Array, duration: float) -> Array:
-    first, last = block.first, block.last
-    if block.scale == "linear":
-        cycles = first * time + (last - first) * time**2 / (2.0 * duration)
-    else:
-        octaves = math.log(last / first)
-        cycles = first * duration / octaves * np.expm1(octaves * time / duration)
-    signal: Array = block.amplitude * np.sin(2.0 * math.pi * cycles)
+    signal: Array = block.amplitude * np.sin(2.0 * math.pi * block.cycles(time, duration))
     return signal
 
 
