@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.engine import point_key
+from mcsim.errors import InputError
 from mcsim.estimation import LOOKED_AT, limit_texts
 from mcsim.gum.budget import correction
 from mcsim.gum.propagation import step_sensitivities, tilt_sensitivities
@@ -84,6 +85,11 @@ def course_of_uncertainty(model: VelocityScenario, groups: int = GROUPS) -> Cour
     InputError
         The run cannot be sampled.
     """
+    if model.sensor.time.varies:
+        raise InputError(
+            "sensor.time: a budget over time has even intervals, as Eq. (29) has; leave it out, and "
+            "say by `time_error` how they err"
+        )
     problem = VelocityProblem.from_model(model)
     key = point_key(model.monte_carlo, ())
     summed, without_noise = _summed(model, problem)

@@ -20,6 +20,7 @@ from mcsim.sensor_terms.mechanisms.process import NO_PROCESSES, Process, Process
 from mcsim.sensor_terms.mechanisms.white import White
 from mcsim.sensors.coloured import after_calibration
 from mcsim.sensors.rest import spread_at_rest
+from mcsim.sensors.schedule import Schedule
 
 Array = NDArray[np.float64]
 Blocks = Mapping[str, AccelerometerErrors | GyroscopeErrors]
@@ -38,7 +39,8 @@ class ChannelErrors:
     ``calibration`` and ``levelling`` the numbers of samples that calibrate biases and whose mean
     levels the attitude, zero for none.  After a bias calibration ``hidden_bias`` is the
     deviation of what was calibrated away, which the sensor's output still holds, and
-    ``calibration_spread`` that of the samples that showed it.
+    ``calibration_spread`` that of the samples that showed it.  ``schedule`` tells when the samples
+    are taken; None where that is known and even.
     """
 
     elements: tuple[str, ...]
@@ -58,6 +60,7 @@ class ChannelErrors:
     calibration_spread: Array
     calibration: int = 0
     levelling: int = 0
+    schedule: Schedule | None = None
 
     @property
     def offsets(self) -> Array:
@@ -91,6 +94,7 @@ class ChannelErrors:
             at_rest=self.at_rest,
             hidden_bias=nothing,
             calibration_spread=nothing,
+            schedule=self.schedule,
         )
 
 
@@ -119,7 +123,7 @@ def channel_errors(
         sensors.calibration,
         levelling,
     )
-    return replace(errors, time_jitter=sensors.time_jitter)
+    return replace(errors, time_jitter=sensors.instant_jitter)
 
 
 def element_errors(

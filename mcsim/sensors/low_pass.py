@@ -30,7 +30,7 @@ def behind_low_pass(
         [low_pass.filtered(channel, f, step) for channel, f in zip(dense, bandwidths, strict=True)]
     )
 
-    def after(t: Array, width: float) -> Array:
+    def after(t: Array, width: float | Array) -> Array:
         unchanged = signals(t, width)
         return np.stack(
             [

@@ -10,8 +10,9 @@ import numpy as np
 
 from mcsim.kernels import strapdown
 from mcsim.sensors.low_pass import behind_low_pass
-from mcsim.sensors.sampling import Signals, power_beyond, sample
-from mcsim.simulation.planar_samples import sample_count
+from mcsim.sensors.sampling import Signals, power_beyond
+from mcsim.sensors.schedule import Instants
+from mcsim.simulation.planar_samples import sample_count, taken
 from mcsim.simulation.problem import Array
 from mcsim.systems.strapdown.truth import SpatialDrive, SpatialMotion
 
@@ -27,18 +28,23 @@ class Samples:
 
 @lru_cache(maxsize=64)
 def sampled(
-    drive: SpatialDrive, rate: float, method: str, bandwidths: tuple[float, ...]
+    drive: SpatialDrive,
+    rate: float,
+    method: str,
+    bandwidths: tuple[float, ...],
+    instants: Instants | None = None,
+    latency: float = 0.0,
 ) -> Samples:
-    """What does not change while only sensor errors are swept."""
+    """What does not change while only sensor errors are swept; as in the plane."""
     plane = drive.drive
     count = sample_count(plane, rate)
     ideal: Signals = drive.signals
     if not all(map(math.isinf, bandwidths)):
         ideal = behind_low_pass(ideal, bandwidths, -plane.lead, rate, count)
-    signals = sample(ideal, -plane.lead, rate, count, method).T
-    truth = drive.motion(-plane.lead + np.arange(count + 1) / rate)
+    signals, times = taken(ideal, -plane.lead, rate, count, method, instants)
+    truth = drive.motion(times + latency)
     beyond = power_beyond(ideal, -plane.lead, rate, count)
-    return Samples(np.ascontiguousarray(signals * _per_interval(rate)), truth, beyond)
+    return Samples(np.ascontiguousarray(signals.T * _per_interval(rate)), truth, beyond)
 
 
 def _per_interval(rate: float) -> Array:

@@ -22,6 +22,7 @@ from mcsim.scenario.fields import (
 )
 from mcsim.scenario.initial import Initial
 from mcsim.scenario.rules import Rules
+from mcsim.scenario.sample_times import Intervals
 from mcsim.scenario.sensors import Sensors
 from mcsim.tracks import Trajectory
 from mcsim.units import STANDARD_GRAVITY
@@ -76,6 +77,8 @@ class StrapdownReconstruction(Block):
     planar case; `forward_euler`: the application note's recursion; `trapezoidal`: second
     order; `two_sample`: second order with coning and sculling corrections; or a rule of your
     own."""
+    intervals: Intervals = "measured"
+    """The time between two samples: by their time stamps, or the nominal one, whatever they say."""
 
     @model_validator(mode="after")
     def _planar_integrates_its_own_way(self) -> StrapdownReconstruction:
@@ -149,6 +152,16 @@ class StrapdownScenario(CaseScenario):
             raise reject(
                 "levelling before the drive is for the shipped rules; leave `initial.levelling` "
                 "out, or let the rule level itself while it runs"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _two_samples_of_one_kind(self) -> StrapdownScenario:
+        means = self.sensors.sampling == "average" and self.sensors.time.varies
+        if means and self.reconstruction.integration == "two_sample":
+            raise reject(
+                "reconstruction.integration: the corrections of `two_sample` take means over equal "
+                "intervals; with `sensors.time` write `sampling: none`, `fir` or `iir`"
             )
         return self
 

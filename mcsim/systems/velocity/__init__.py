@@ -9,16 +9,16 @@ from mcsim.simulation.problem import Problem
 from mcsim.systems.velocity.scenario import VelocityScenario
 
 
-def _problem(model: VelocityScenario, _: Path) -> Problem:
+def _problem(model: VelocityScenario, folder: Path) -> Problem:
     from mcsim.systems.velocity.problem import VelocityProblem
 
-    return VelocityProblem.from_model(model)
+    return VelocityProblem.from_model(model, folder)
 
 
-def _samples(model: VelocityScenario, _: Path) -> int:
+def _samples(model: VelocityScenario, folder: Path) -> int:
     from mcsim.systems.velocity.steps import step_count
 
-    return step_count(model)
+    return step_count(model, folder)
 
 
 CASE = Case("velocity", VelocityScenario, _problem, _samples)

@@ -6,18 +6,28 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.kernels.velocity import drawn_rows
-from mcsim.kernels.velocity_system import PER_INSTANT, RUN, Deviations, Inputs, Velocity
+from mcsim.kernels.velocity_system import (
+    PER_INSTANT,
+    RUN,
+    Deviations,
+    Inputs,
+    TimedVelocity,
+    Velocity,
+)
 from mcsim.sensors.error_model import ChannelErrors
 from mcsim.sensors.measurement import Measurement
-from mcsim.simulation.limits import SMALL_TILT, Units, sensor_limits
+from mcsim.sensors.schedule import Schedule
+from mcsim.simulation.limits import SMALL_TILT, Units, loss_limits, sensor_limits
 from mcsim.simulation.nets import net_normals
 from mcsim.simulation.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.simulation.running import LinearWeights, Results, Sensors, run_into
+from mcsim.simulation.time_errors import clock_of
 from mcsim.systems.velocity.linear import (
     BIAS,
     LX,
@@ -31,7 +41,13 @@ from mcsim.systems.velocity.measured import GroupSamples, MeasuredGroups
 from mcsim.systems.velocity.raw_output import raw_errors
 from mcsim.systems.velocity.samples import rest_output, run_samples
 from mcsim.systems.velocity.scenario import Bias, Number, VelocityScenario
-from mcsim.systems.velocity.steps import check_group, rest_steps, step_count, steps_until
+from mcsim.systems.velocity.steps import (
+    check_group,
+    reported_steps,
+    rest_steps,
+    scheduled,
+    step_count,
+)
 from mcsim.systems.velocity.truth import run_motion
 
 #: Errors at every instant: velocity of a run, of the mean, standard deviation of the runs.
@@ -70,9 +86,10 @@ class VelocityProblem:
     error_names: tuple[str, ...]
     percentiles: tuple[float, ...] = VelocityScenario.PERCENTILES
     too_fast: tuple[Limit, ...] = ()
+    schedule: Schedule | None = None
 
     @classmethod
-    def from_model(cls, model: VelocityScenario) -> VelocityProblem:
+    def from_model(cls, model: VelocityScenario, folder: Path = Path()) -> VelocityProblem:
         """Truth, calibration and errors of one point.
 
         Raises
@@ -81,10 +98,13 @@ class VelocityProblem:
             An instant earlier than the first sample, or an absurdly long run.
         """
         sensor, gravity = model.sensor, model.gravity
-        n = step_count(model)
+        n = step_count(model, folder)
         interval = 1.0 / sensor.rate
+        plan = scheduled(model, folder)
         times = np.arange(n + 1, dtype=float) / sensor.rate
-        motion = run_motion(model.trajectory, times)
+        if plan.instants is not None and not plan.instants.even:
+            times = plan.instants.true
+        motion = run_motion(model.trajectory, times + sensor.time.latency)
         errors = raw_errors(model)
         raw = run_samples(model, times, errors.bandwidths)
         samples = rest_steps(model)
@@ -114,9 +134,10 @@ class VelocityProblem:
             stamps=sensor.time_errors == "stamps",
             tilt_order=_TILT_ORDERS.index(model.tilt.order),
             runs=model.runs,
-            steps=np.array([steps_until(t, sensor.rate) for t in model.reported]),
+            steps=reported_steps(model, times),
             error_names=tuple(row.label for row in model.error_rows),
-            too_fast=tuple(_too_fast(model)),
+            too_fast=(*_too_fast(model), *loss_limits(plan)),
+            schedule=plan,
         )
         if problem.is_measured:
             check_group(model)
@@ -145,6 +166,18 @@ class VelocityProblem:
         """Raw output and what the axes sense (n + 1, 6): at rest, and at a run's steps."""
         raw = np.concatenate([self.inputs[None, REST], self.raw])
         return np.concatenate([raw, raw - self.inputs[BIAS]], axis=1)
+
+    @property
+    def timed(self) -> bool:
+        """Whether steps read their intervals."""
+        return self.schedule is not None and self.schedule.varies
+
+    @property
+    def ratios(self) -> Array:
+        """Intervals (n,) of the steps, in sampling intervals, as far as they are given."""
+        if self.schedule is None or not self.timed or self.schedule.nominal:
+            return np.ones(len(self.raw))
+        return self.schedule.ratios[1:]
 
     @cached_property
     def measurement(self) -> Measurement:
@@ -213,6 +246,7 @@ class VelocityProblem:
             uncertainties=0.0 * self.uncertainties,
             sensor_errors=self.sensor_errors.silent(),
             time_error=0.0,
+            schedule=None if self.schedule is None else self.schedule.without_losses(),
         )
         return still._run(0, 0, 1)[0][:, 0]
 
@@ -244,12 +278,19 @@ class VelocityProblem:
         # Runs of the first group, then of the next.
         tracks = curves.transpose(0, 2, 1).reshape(len(self.raw), -1)[:, :runs]
         return History(
-            time=np.arange(len(self.truth), dtype=float) * self.interval,
+            time=self._times,
             tracks=np.concatenate([np.zeros((1, runs)), tracks])[None],
             truth=self.truth[None],
             errors=self.errors_over_time(key, first, count, net),
             coordinates=("velocity [m/s]",),
         )
+
+    @property
+    def _times(self) -> Array:
+        """Times (n + 1,) of the samples, from the start (s)."""
+        if self.schedule is None or self.schedule.instants is None:
+            return np.arange(len(self.truth), dtype=float) * self.interval
+        return self.schedule.instants.true
 
     def _run(
         self,
@@ -270,7 +311,7 @@ class VelocityProblem:
             key,
             first,
             count,
-            Sensors(self._group_signals, self.white, m.terms),
+            Sensors(self._group_signals, self.white, m.terms, clock_of(self.schedule, True)),
             self._kernel_weights if controls else None,
             net_normals(key, first, count, net, drawn) if net else None,
             Results(errors, linear, curves, self.steps),
@@ -289,7 +330,8 @@ class VelocityProblem:
             uncertainties = uncertainties.copy()
             uncertainties[BIAS] = np.hypot(uncertainties[BIAS], self.sensor_errors.offsets)
             offsets = np.zeros_like(offsets)
-        return Velocity(
+        kind = TimedVelocity if self.timed else Velocity
+        return kind(
             way=RUN,
             draws=True,
             runs=self.runs,
@@ -306,9 +348,12 @@ class VelocityProblem:
     @cached_property
     def _group_signals(self) -> Array:
         """The signals of all samples of a group that is measured, else (n + 1, 6) of one run."""
+        signals = self.signals
+        if self.timed and self.schedule is not None:
+            signals = np.column_stack([signals, self.schedule.ratios])
         if not self.is_measured:
-            return self.signals
-        rest, run = self.signals[:1], self.signals[1:]
+            return signals
+        rest, run = signals[:1], signals[1:]
         return np.concatenate([np.tile(rest, (self.at_rest, 1)), np.tile(run, (self.runs, 1))])
 
     @cached_property

@@ -25,6 +25,7 @@ from mcsim.scenario.fields import (
     reject,
 )
 from mcsim.scenario.named_sensor import ReckoningAccelerometer
+from mcsim.scenario.sample_times import Intervals, SampleTimes
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
 
 #: Rows of the source's budget tables.
@@ -121,6 +122,24 @@ class RawAccelerometer(Block):
     time_errors: Literal["independent", "stamps"] = "independent"
     """Intervals err independently, as the source assumes; or time stamps do, so that an
     interval that is too long is followed by one that is too short."""
+    time: SampleTimes = SampleTimes()
+    """When samples are taken: `latency`, `lost`, `rate_error` and recorded `stamps`; how stamps err
+    is said by `time_error`."""
+
+    @model_validator(mode="after")
+    def _stamps_err_once(self) -> RawAccelerometer:
+        for name in ("interval_jitter", "stamp_jitter"):
+            if getattr(self.time, name):
+                raise reject(
+                    f"time.{name}: here `time_error` says how intervals or, with `time_errors: "
+                    "stamps`, time stamps err"
+                )
+        if self.time.lost and self.sampling == "average":
+            raise reject(
+                "time.lost: what a mean over an interval holds is lost with its sample; write "
+                "`sampling: none`"
+            )
+        return self
 
     @model_validator(mode="wrap")
     @classmethod
@@ -174,6 +193,13 @@ class Gravity(Block):
 
     estimate: Annotated[Acceleration, Ge(_GRAVITY[0]), Le(_GRAVITY[1])] = 9.80665
     uncertainty: Annotated[Acceleration, NotNegative, Le(_GRAVITY[1])] = 0.0
+
+
+class Integration(Block):
+    """How the accelerations are integrated."""
+
+    intervals: Intervals = "measured"
+    """The time between two samples: by their time stamps, or the nominal one, whatever they say."""
 
 
 class Calibration(Block):
@@ -276,6 +302,7 @@ class VelocityScenario(CaseScenario):
     calibration: Calibration
     gravity: Gravity = Gravity()
     tilt: Tilt = Tilt()
+    reconstruction: Integration = Integration()
     runs: Annotated[int, Whole, Ge(1), Le(1000)] = 12
     """Runs M of a group; all runs of a group share calibration, rest, tilt and gravity."""
     instants: Annotated[tuple[Annotated[Time, Positive], ...], Len(1, 100)] | None = None
@@ -305,8 +332,9 @@ class VelocityScenario(CaseScenario):
 
     @property
     def files(self) -> tuple[str, ...]:
-        model = self.sensor.terms.model
-        return (model,) if model is not None and is_file(model) else ()
+        model, stamps = self.sensor.terms.model, self.sensor.time.stamps
+        own = (model,) if model is not None and is_file(model) else ()
+        return (*own, *((stamps.file,) if stamps else ()))
 
     @property
     def reported(self) -> tuple[float, ...]:
