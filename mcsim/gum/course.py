@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.engine import point_key
+from mcsim.errors import InputError
 from mcsim.estimation import LOOKED_AT, limit_texts
 from mcsim.gum.budget import known_of
 from mcsim.gum.propagation import step_variances, summed
@@ -81,6 +82,11 @@ def course_of_uncertainty(
     InputError
         The run cannot be sampled.
     """
+    if model.sensor.time.varies:
+        raise InputError(
+            "sensor.time: a budget over time has even intervals, as Eq. (29) has; leave it out, "
+            "and say by `time_error` how they err"
+        )
     problem = VelocityProblem.from_model(model, folder)
     key = point_key(model.monte_carlo, ())
     by_sums, without_noise = _summed(model, problem)

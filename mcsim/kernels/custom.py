@@ -20,7 +20,6 @@ from typing import Any
 
 from mcsim.kernels.adjoint import MOST_VARIED
 from mcsim.kernels.compilation import scalar
-from mcsim.kernels.lane_steps import is_timed
 from mcsim.kernels.lanes import LANES, NORMALS
 from mcsim.kernels.parts import loader, made, of, store, take
 from mcsim.kernels.system import Step, add_linear, begin, finish, keep, record, remembers, rows_of
@@ -38,13 +37,16 @@ def system_of(
     base: type[Any],
     name: str,
     state: type[Any],
-    start: Callable[..., Any],
-    step: Callable[..., Any],
-    end: Callable[..., Any],
+    functions: tuple[Callable[..., Any], Callable[..., Any], Callable[..., Any]],
+    timed: bool = False,
 ) -> type[Any]:
-    """A system like ``base``, moved by an algorithm of three scalar functions."""
-    timed = is_timed(base)
-    taken = Step(_timed(scalar(step), base) if timed else scalar(step), state)
+    """A system like ``base``, moved by an algorithm: ``functions`` are its start, step and end.
+
+    A ``timed`` one reads intervals that vary.
+    """
+    start, step, end = functions
+    own = scalar(step)
+    taken = Step(_over_intervals(own, base) if timed else own, state)
     members = {
         "STEPS": (taken,),
         "FOURS": {} if timed else {0: taken},
@@ -54,34 +56,38 @@ def system_of(
         "__slots__": (),
         "__module__": __name__,
     }
+    if timed:
+        name = f"{name}_timed"
+        members |= {"TIMED": True, "HISTORY": base.HISTORY + 1}
     made_here = type(name, (Custom, base), members)
     # Where numba finds it again when it reads what it has kept.
     globals()[name] = made_here
     return made_here
 
 
-def _timed(step, base):
+def _over_intervals(step, base):
     """The same step over the sample's own interval, which is the last that is read."""
-    own, turned = _over(base), _turned(base.CHANNELS, base.TURNS)
+    over, turned = _over(base), _turned(base.CHANNELS, base.TURNS)
 
     @scalar
-    def over_interval(system, state, read):
+    def taken(system, state, read):
         r = read[-1]
         if r == 0.0:
             return state
-        return step(own(system, r), state, turned(read, r))
+        return step(over(system, r), state, turned(read, r))
 
-    return over_interval
+    return taken
 
 
 def _over(base):
-    """The numbers of a system of another interval."""
-    numbers = base.__mro__[[kind._fields is base._fields for kind in base.__mro__[:-2]].index(True)]
-    place, kind = base._fields.index("interval"), numbers
+    """The numbers of a system, with another interval."""
+    kind = next(kind for kind in base.__mro__ if "_fields" in vars(kind))
+    place = kind._fields.index("interval")
+    after = place + 1
 
     @scalar
     def over(system, r):
-        return kind(*system[:place], r * system[place], *system[place + 1 :])
+        return kind(*system[:place], r * system[place], *system[after:])
 
     return over
 

@@ -16,7 +16,7 @@ from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import LANES, WHITE_NOISE, draw_constants
 from mcsim.kernels.parts import of
 from mcsim.kernels.rotation import wrap
-from mcsim.kernels.strapdown_system import SPATIAL_NOISE
+from mcsim.kernels.strapdown_system import SPATIAL_NOISE, TURNS
 from mcsim.kernels.system import draw_once
 
 #: Streams of the samples' noise, one for each three channels.
@@ -54,6 +54,7 @@ def motion_class(
     wraps = tuple(field in angles for field in fields)
     members = {
         "CHANNELS": channels,
+        "TURNS": TURNS[: channels // 3 * 2 - 1],
         "STREAMS": STREAMS[: channels // 3],
         "CONSTANTS": -(-(2 * channels + count) // 4) * 4,
         "FIXED": tuple(range(0, channels, 3)),

@@ -10,6 +10,7 @@ from pydantic import model_validator
 from mcsim.scenario.block import Block
 from mcsim.scenario.fields import Frequency, NotNegative, Positive, Time, reject
 from mcsim.scenario.named_sensor import CONSTANTS, KIND, named_element
+from mcsim.scenario.sample_times import SampleTimes, refuse_wide
 from mcsim.scenario.sensor_block import AccelerometerErrors, GyroscopeErrors, is_file
 from mcsim.scenario.temperature import Temperature
 from mcsim.sensor_terms import TERMS
@@ -71,7 +72,10 @@ class Sensors(Block):
     gyroscope: Annotated[Gyroscope, named_element("gyroscope")]
     time_jitter: Annotated[Time, NotNegative, Le(1.0)] = 0.0
     """Standard deviation of the instants at which samples are really taken; to first order,
-    by the slope between the neighbouring samples."""
+    by the slope between the neighbouring samples. Of the signals alone: the intervals are even;
+    `time.interval_jitter` is one that intervals have."""
+    time: SampleTimes = SampleTimes()
+    """When samples are taken, and what their time stamps say of it."""
     calibration: BiasCalibration | None = None
     """Replaces the constant offsets by what is left after calibrating at rest."""
     temperature: Temperature | None = None
@@ -79,9 +83,23 @@ class Sensors(Block):
 
     @model_validator(mode="after")
     def _jitter_is_small(self) -> Sensors:
-        if self.time_jitter * self.rate > 0.5:
+        refuse_wide(self.time_jitter, self.rate, "time_jitter")
+        refuse_wide(self.time.interval_jitter, self.rate, "time.interval_jitter")
+        refuse_wide(self.time.stamp_jitter, self.rate, "time.stamp_jitter")
+        if self.time_jitter and self.time.interval_jitter:
             raise reject(
-                f"time_jitter must be at most half a sampling interval, {0.5 / self.rate:.4g} s"
+                "`time_jitter` and `time.interval_jitter` say the same of the signals: keep the "
+                "second where intervals are to vary with it, else the first"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _means_have_no_gaps(self) -> Sensors:
+        if self.sampling == "average" and (self.time.lost or self.time.interval_jitter):
+            name = "lost" if self.time.lost else "interval_jitter"
+            raise reject(
+                f"time.{name}: what a mean over an interval holds is lost with its sample, or "
+                "belongs to the next one; write `sampling: none`, `fir` or `iir`"
             )
         return self
 
@@ -96,10 +114,16 @@ class Sensors(Block):
         return self
 
     @property
+    def instant_jitter(self) -> float:
+        """Standard deviation (s) of the instants at which samples are taken."""
+        return self.time_jitter or self.time.interval_jitter
+
+    @property
     def files(self) -> tuple[str, ...]:
-        """Sensor files that the block refers to, as written."""
+        """Files of sensors and of time stamps that the block refers to, as written."""
         models = {self.accelerometer.model, self.gyroscope.model}
-        return tuple(sorted(name for name in models if name and is_file(name)))
+        stamps = (self.time.stamps.file,) if self.time.stamps else ()
+        return (*sorted(name for name in models if name and is_file(name)), *stamps)
 
     @model_validator(mode="after")
     def _calibrated_or_assumed(self) -> Sensors:

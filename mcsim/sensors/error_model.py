@@ -22,6 +22,7 @@ from mcsim.sensor_terms.mechanisms.shaped import Column
 from mcsim.sensor_terms.mechanisms.white import White
 from mcsim.sensors.coloured import after_calibration
 from mcsim.sensors.rest import spread_at_rest
+from mcsim.sensors.schedule import Schedule
 
 Array = NDArray[np.float64]
 Blocks = Mapping[str, AccelerometerErrors | GyroscopeErrors]
@@ -65,7 +66,8 @@ class ChannelErrors:
     ``calibration`` and ``levelling`` the numbers of samples that calibrate biases and whose mean
     levels the attitude, zero for none.  After a bias calibration ``hidden_bias`` is the
     deviation of what was calibrated away, which the sensor's output still holds, and
-    ``calibration_spread`` that of the samples that showed it.
+    ``calibration_spread`` that of the samples that showed it.  ``schedule`` tells when the samples
+    are taken; None where that is known and even.
     """
 
     elements: tuple[str, ...]
@@ -87,6 +89,7 @@ class ChannelErrors:
     levelling: int = 0
     columns: tuple[Column, ...] = ()
     temperature: Temperature | None = None
+    schedule: Schedule | None = None
 
     @property
     def offsets(self) -> Array:
@@ -100,12 +103,18 @@ class ChannelErrors:
         """
         if not self.columns:
             return signals
-        number = self.calibration + self.levelling + first + np.arange(len(signals))
-        times = number * self.interval
-        temperature = _temperatures(self.temperature, times)
+        temperature = _temperatures(self.temperature, self._times(first, len(signals)))
         return np.column_stack(
             [signals, *(column.of(signals, temperature) for column in self.columns)]
         )
+
+    def _times(self, first: int, count: int) -> Array:
+        """Times (count,) since the sensor's first sample at rest, of samples of the run (s)."""
+        rest = (self.calibration + self.levelling) * self.interval
+        plan = self.schedule
+        if plan is None or plan.instants is None:
+            return rest + np.arange(first, first + count) * self.interval
+        return np.asarray(rest + plan.instants.true[first : first + count])
 
     def levels(self, channel: int) -> bool:
         """Whether the mean of a channel at rest levels the attitude, where that is done."""
@@ -134,6 +143,7 @@ class ChannelErrors:
             at_rest=self.at_rest,
             hidden_bias=nothing,
             calibration_spread=nothing,
+            schedule=self.schedule,
         )
 
 
@@ -162,7 +172,7 @@ def channel_errors(
         further,
         conditions,
     )
-    return replace(errors, time_jitter=sensors.time_jitter)
+    return replace(errors, time_jitter=sensors.instant_jitter)
 
 
 def element_errors(

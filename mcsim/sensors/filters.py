@@ -38,7 +38,7 @@ def behind_filters(
         filtered(channel, own, dense_rate) for channel, own in zip(dense, filters, strict=True)
     ]
 
-    def after(t: Array, width: float) -> Array:
+    def after(t: Array, width: float | Array) -> Array:
         unchanged = signals(t, width)
         return np.stack(
             [

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Signals = Callable[[Array, float], Array]
+Signals = Callable[[Array, "float | Array"], Array]
 
 #: Rate of the dense truth that decimation starts from (Hz).
 DENSE_RATE = 1000.0
@@ -19,6 +19,8 @@ IIR_HALF_LENGTH = 100
 _IIR_ORDER, _IIR_RIPPLE_DB, _IIR_CUTOFF = 8, 0.05, 0.8
 #: Least number of dense steps in an averaged interval.
 _FEWEST_AVERAGED = 8
+#: Sensor samples before the first and after the last that an interpolation looks at.
+_AROUND = 4
 #: How much denser signals are looked at for power that samples do not hold, and how many samples.
 _FINER, _MOST_LOOKED_AT = 4, 1 << 20
 
@@ -35,8 +37,8 @@ def sample(signals: Signals, start: float, rate: float, count: int, method: str)
     Parameters
     ----------
     signals : callable
-        Times (k,) in s and a width (s) to channels (c, k): momentary values, but the
-        mean over the width where it holds a jump.  Defined beyond the track as well,
+        Times (k,) in s and a width (s), of all or of each, to channels (c, k): momentary values,
+        but the mean over the width where it holds a jump.  Defined beyond the track as well,
         where it goes straight on: the filters look further than the leads reach.
     start : float
         Time of sample 0 (s).
@@ -65,6 +67,47 @@ def sample(signals: Signals, start: float, rate: float, count: int, method: str)
     if method == "fir":
         return _fir(signals, start, rate, count, factor)
     return _iir(signals, start, rate, count, factor)
+
+
+def sample_at(signals: Signals, start: float, instants: Array, rate: float, method: str) -> Array:
+    """Sample ideal signals at any instants: parameters as for ``sample``.
+
+    ``instants`` (n + 1,) are in s from the first, which is at ``start``.  The filters are those of
+    the nominal ``rate``, and what they let pass is interpolated; means are those over the intervals
+    that end at the samples, the first one over a nominal interval.
+
+    Returns
+    -------
+    ndarray (c, n + 1)
+    """
+    if method == "none":
+        return signals(start + instants, 0.0)
+    if method == "average":
+        return _average_between(signals, start, instants, rate)
+    from scipy.interpolate import CubicSpline
+
+    count = int(np.ceil(instants[-1] * rate)) + 1
+    factor = oversampling(rate)
+    every: Array = np.arange(-_AROUND * factor, (count + _AROUND) * factor + 1, dtype=float)
+    times = every / (rate * factor)
+    if factor == 1:
+        dense = signals(start + times, 1.0 / rate)
+    else:
+        filtered = _fir if method == "fir" else _iir
+        dense = filtered(signals, start + float(times[0]), rate, count + 2 * _AROUND, factor, 1)
+    return np.ascontiguousarray(CubicSpline(times, dense, axis=1)(instants))
+
+
+def _average_between(signals: Signals, start: float, instants: Array, rate: float) -> Array:
+    """Means over the intervals between instants, each cut into cells of its own."""
+    factor = max(oversampling(rate), _FEWEST_AVERAGED)
+    edges = np.append(instants[0] - 1.0 / rate, instants)
+    widths = np.repeat(np.diff(edges) / factor, factor)
+    middles = np.repeat(edges[:-1], factor) + (np.tile(np.arange(factor), len(instants)) + 0.5) * (
+        widths
+    )
+    cells = signals(start + middles, widths)
+    return np.ascontiguousarray(cells.reshape(len(cells), len(instants), factor).mean(axis=-1))
 
 
 def power_beyond(signals: Signals, start: float, rate: float, count: int) -> Array:
@@ -101,11 +144,14 @@ def _dense(
     return signals(times, step)
 
 
-def _fir(signals: Signals, start: float, rate: float, count: int, factor: int) -> Array:
+def _fir(
+    signals: Signals, start: float, rate: float, count: int, factor: int, every: int = 0
+) -> Array:
+    """Samples 0 ... ``count``; every dense value of them where ``every`` is 1."""
     dense = _dense(signals, start, rate, count, factor, FIR_HALF_LENGTH)
     taps = low_pass(FIR_HALF_LENGTH * factor, factor)
     windows = np.lib.stride_tricks.sliding_window_view(dense, len(taps), axis=-1)
-    return np.ascontiguousarray(windows[:, ::factor] @ taps)
+    return np.ascontiguousarray(windows[:, :: every or factor] @ taps)
 
 
 def low_pass(half_length: int, factor: int) -> Array:
@@ -119,7 +165,10 @@ def low_pass(half_length: int, factor: int) -> Array:
     return taps / taps.sum()
 
 
-def _iir(signals: Signals, start: float, rate: float, count: int, factor: int) -> Array:
+def _iir(
+    signals: Signals, start: float, rate: float, count: int, factor: int, every: int = 0
+) -> Array:
+    """As ``_fir``."""
     from scipy.signal import cheby1, sosfiltfilt
 
     sections = cheby1(_IIR_ORDER, _IIR_RIPPLE_DB, _IIR_CUTOFF / factor, output="sos")
@@ -128,7 +177,8 @@ def _iir(signals: Signals, start: float, rate: float, count: int, factor: int) -
     # An even order ripples below 1: a constant must stay one.
     filtered = filtered * 10.0 ** (2.0 * _IIR_RIPPLE_DB / 20.0)
     first = IIR_HALF_LENGTH * factor
-    return np.ascontiguousarray(filtered[:, first : first + count * factor + 1 : factor])
+    last = first + count * factor + 1
+    return np.ascontiguousarray(filtered[:, first : last : every or factor])
 
 
 def _average(signals: Signals, start: float, rate: float, count: int, factor: int) -> Array:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from mcsim.scenario.sample_times import Intervals
 from mcsim.scenario.sensors import Sensors
 from mcsim.sensor_terms.channel import ACCELEROMETER, Channel
 from mcsim.sensors.error_model import ChannelErrors, channel_errors, per_interval
 from mcsim.simulation.planar import CHANNELS, RATES
-from mcsim.simulation.planar_samples import course_missing, sample_count, sampled
+from mcsim.simulation.planar_samples import course_missing, planned, sampled, scheduled_count
 from mcsim.simulation.problem import Array
 from mcsim.tracks import Trajectory, drive_of
 from mcsim.trajectory import Motion
@@ -40,7 +41,9 @@ class Driven:
     beyond_rate: Array
 
 
-def driven(trajectory: Trajectory, sensors: Sensors, folder: Path) -> Driven:
+def driven(
+    trajectory: Trajectory, sensors: Sensors, folder: Path, intervals: Intervals = "measured"
+) -> Driven:
     """What sensors of a level vehicle sample of a drive, with their errors.
 
     Parameters
@@ -49,6 +52,9 @@ def driven(trajectory: Trajectory, sensors: Sensors, folder: Path) -> Driven:
         The validated blocks of a scenario, SI.
     folder : path
         Where the files that they name are looked up.
+    intervals : {"measured", "nominal"}
+        What the reconstruction takes for the time between samples; ``sensor_errors`` keep it, with
+        all that ``sensors.time`` says.
 
     Returns
     -------
@@ -64,7 +70,16 @@ def driven(trajectory: Trajectory, sensors: Sensors, folder: Path) -> Driven:
     """
     drive = drive_of(trajectory, folder)
     errors = channel_errors(sensors, CHANNELS, drive.duration, _AT_REST, further=_VERTICAL)
-    samples = sampled(drive, sensors.rate, sensors.sampling, errors.filters)
+    plan = planned(drive, sensors, folder, intervals)
+    errors = replace(errors, schedule=plan)
+    samples = sampled(
+        drive,
+        sensors.rate,
+        sensors.sampling,
+        errors.filters,
+        plan.instants,
+        sensors.time.latency,
+    )
     signals = samples.signals
     if errors.mixing:
         # Gravity is not measured, but shows by misalignment and g-sensitivity.
@@ -98,4 +113,4 @@ def samples_of(trajectory: Trajectory, sensors: Sensors, folder: Path) -> int:
     InputError
         As ``driven``.
     """
-    return sample_count(drive_of(trajectory, folder), sensors.rate)
+    return scheduled_count(drive_of(trajectory, folder), sensors, folder)

@@ -15,6 +15,7 @@ from mcsim.sensor_terms import bias_instability
 from mcsim.sensor_terms.channel import GYROSCOPE
 from mcsim.sensors.error_model import ChannelErrors
 from mcsim.sensors.measurement import Measurement
+from mcsim.sensors.schedule import Schedule
 from mcsim.simulation.problem import Array, Limit
 
 #: Share of a signal's power above half the sampling rate that is worth saying.
@@ -156,6 +157,15 @@ def rate_limits(beyond: Array, rate: float, channels: tuple[str, ...]) -> Iterat
         yield Limit(
             f"sensors.rate: {beyond[worst]:.0%} of the power of the {channels[worst]} lies above "
             f"{0.5 * rate:.4g} Hz, half the sampling rate, and is lost or folded"
+        )
+
+
+def loss_limits(schedule: Schedule | None) -> Iterator[Limit]:
+    """Lost samples, which no linear model holds."""
+    if schedule is not None and schedule.times.lost:
+        yield Limit(
+            f"sensors.time.lost: what {schedule.times.lost:.2g} of the samples lost make of the "
+            "errors is no part of the linear model, nor of the shares by source"
         )
 
 

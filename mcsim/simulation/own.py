@@ -6,17 +6,18 @@ import hashlib
 import inspect
 from typing import Any
 
-_SYSTEMS: dict[tuple[str, str], type[Any]] = {}
+_SYSTEMS: dict[tuple[str, str], tuple[type[Any], type[Any]]] = {}
 
 
-def add_system(case: str, name: str, system: type[Any]) -> None:
-    """Keep the kernel system of a user's rule."""
-    _SYSTEMS[case, name] = system
+def add_system(case: str, name: str, even: type[Any], timed: type[Any]) -> None:
+    """Keep the kernel systems of a user's rule: for even intervals, and for varying ones."""
+    _SYSTEMS[case, name] = even, timed
 
 
-def own_system(case: str, name: str) -> type[Any] | None:
+def own_system(case: str, name: str, timed: bool = False) -> type[Any] | None:
     """The system of a rule that a user has added; None for shipped rules."""
-    return _SYSTEMS.get((case, name))
+    systems = _SYSTEMS.get((case, name))
+    return None if systems is None else systems[timed]
 
 
 def digest_of(*parts: Any) -> str:

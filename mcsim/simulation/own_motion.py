@@ -29,6 +29,7 @@ class Algorithm:
 
     description: Description
     kernel: Any
+    timed: Any
 
 
 def algorithm(
@@ -58,6 +59,7 @@ def algorithm(
         Small functions that numba compiles: ``start(system, motion, read) -> state`` at sample 0,
         ``step(system, state, read) -> state`` one sample on, ``end(system, state) -> motion``.
         ``read`` are the channels; ``system.interval`` (s) and ``system.parameters`` are numbers.
+        Where intervals vary, ``interval`` and turns are those of the sample's own.
     angles : tuple of str, optional
         Fields (rad) whose errors wrap at half a turn.
     lengths : mapping, optional
@@ -101,7 +103,8 @@ def algorithm(
             wrapping=angles,
             initial={f"initial {f} error": (channels + k,) for k, f in enumerate(fields)},
         ),
-        custom.system_of(base, own, state, *functions),
+        custom.system_of(base, own, state, functions),
+        custom.system_of(base, own, state, functions, timed=True),
     )
 
 
@@ -162,7 +165,7 @@ class OwnReckoning(Reckoning):
 
     @property
     def kernel(self) -> Any:
-        return self.algorithm.kernel
+        return self.algorithm.timed if self.timed else self.algorithm.kernel
 
     def system(self, measurement: Measurement, disturbed: bool) -> Any:
         kernel = self.kernel
@@ -182,8 +185,9 @@ class OwnReckoning(Reckoning):
         )
 
     def history(self, key: int, first: int, count: int, net: int = 0) -> History:
-        states, fields = self.states(key, first, count, net), self.kernel.MOTION._fields
-        errors = states - self.truth[:, :, None]
+        fields = self.kernel.MOTION._fields
+        states, then = self.late(self.states(key, first, count, net), self.truth)
+        errors = states - then
         for name in self.description.wrapping:
             errors[fields.index(name)] = wrap(errors[fields.index(name)])
         for name in self.missing.keys() & set(fields):
@@ -194,7 +198,7 @@ class OwnReckoning(Reckoning):
         ]
         drawn = [fields.index(name) for name in self.tracks if name in fields]
         return History(
-            time=np.arange(self.n_samples + 1, dtype=float) * self.interval,
+            time=self.times,
             tracks=states[drawn],
             truth=self.truth[drawn],
             errors=np.concatenate([errors, np.array(lengths).reshape(-1, *errors.shape[1:])]),

@@ -60,15 +60,15 @@ class PlanarProblem(Reckoning):
     @property
     def _own(self) -> type[Any] | None:
         """The system of a user's own rule."""
-        return own_system("planar", self.rule)
+        return own_system("planar", self.rule, self.timed)
 
     @property
     def kernel(self) -> Any:
-        return self._own or planar.Planar
+        return self._own or (planar.TimedPlanar if self.timed else planar.Planar)
 
     @cached_property
     def weights(self) -> Weights:
-        if self._own is not None:
+        if self._own is not None or self.timed:
             return super().weights
         return linear_weights(
             self.signals,
@@ -102,7 +102,9 @@ class PlanarProblem(Reckoning):
         deviations = planar.Deviations(*map(float, drawn))
         trapezoidal = self.rule == "trapezoidal"
         way = planar.way_of(
-            trapezoidal, m.largest(self.signals, 2), offsets=bool(np.any(m.offsets))
+            trapezoidal,
+            self.longest * m.largest(self.signals, 2),
+            offsets=bool(np.any(m.offsets)),
         )
         return self.kernel(
             way=0 if self._own else way,
@@ -116,16 +118,17 @@ class PlanarProblem(Reckoning):
         )
 
     def history(self, key: int, first: int, count: int, net: int = 0) -> History:
-        states, truth = self.states(key, first, count, net), self.truth
-        along = states[0] - truth.along[:, None]
-        across = states[1] - truth.across[:, None]
-        course = np.arctan2(states[3], states[2]) - truth.course[:, None]
+        truth = self.truth
+        rows = np.stack([truth.along, truth.across, truth.heading, np.unwrap(truth.course)])
+        states, then = self.late(self.states(key, first, count, net), rows)
+        along, across = states[0] - then[0], states[1] - then[1]
+        course = np.arctan2(states[3], states[2]) - then[3]
         course[truth.speed < _still(truth)] = np.nan
         if self.missing:
             course[-1] = np.nan
-        heading = wrap(states[4] - truth.heading[:, None])
+        heading = wrap(states[4] - then[2])
         return History(
-            time=np.arange(self.n_samples + 1, dtype=float) * self.interval,
+            time=self.times,
             tracks=states[:2],
             truth=np.stack([truth.along, truth.across]),
             errors=np.stack([along, across, np.hypot(along, across), heading, wrap(course)]),

@@ -6,13 +6,24 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
 from mcsim.errors import InputError
+from mcsim.scenario.sample_times import Intervals
+from mcsim.scenario.sensors import Sensors
 from mcsim.sensor_terms.mechanisms.linear_filter import Filters
 from mcsim.sensors.filters import behind_filters
-from mcsim.sensors.sampling import DENSE_RATE, Signals, oversampling, power_beyond, sample
+from mcsim.sensors.sampling import (
+    DENSE_RATE,
+    Signals,
+    oversampling,
+    power_beyond,
+    sample,
+    sample_at,
+)
+from mcsim.sensors.schedule import Instants, Schedule, schedule_of
 from mcsim.simulation.problem import Array
 from mcsim.trajectory import Drive, Motion
 
@@ -30,16 +41,53 @@ class Samples:
 
 
 @lru_cache(maxsize=64)
-def sampled(drive: Drive, rate: float, method: str, filters: tuple[Filters, ...]) -> Samples:
-    """What does not change while only sensor errors are swept."""
+def sampled(
+    drive: Drive,
+    rate: float,
+    method: str,
+    filters: tuple[Filters, ...],
+    instants: Instants | None = None,
+    latency: float = 0.0,
+) -> Samples:
+    """What does not change while only sensor errors are swept.
+
+    Without ``instants`` they are even.  The truth is that of the ``latency`` (s) later.
+    """
     count = sample_count(drive, rate)
     ideal: Signals = drive.signals
     if any(filters):
         ideal = behind_filters(ideal, filters, -drive.lead, rate, count)
-    signals = sample(ideal, -drive.lead, rate, count, method).T
-    truth = drive.motion(-drive.lead + np.arange(count + 1) / rate)
+    signals, times = taken(ideal, -drive.lead, rate, count, method, instants)
+    truth = drive.motion(times + latency)
     beyond = power_beyond(ideal, -drive.lead, rate, count)
-    return Samples(np.ascontiguousarray(signals * [1.0, 1.0, 1.0 / rate]), truth, beyond)
+    return Samples(np.ascontiguousarray(signals.T * [1.0, 1.0, 1.0 / rate]), truth, beyond)
+
+
+def taken(
+    ideal: Signals, start: float, rate: float, count: int, method: str, instants: Instants | None
+) -> tuple[Array, Array]:
+    """Samples (c, n + 1) of ideal signals and the times (n + 1,) that they are taken at."""
+    if instants is None or instants.even:
+        return sample(ideal, start, rate, count, method), start + np.arange(count + 1) / rate
+    return sample_at(ideal, start, instants.true, rate, method), start + instants.true
+
+
+def planned(drive: Drive, sensors: Sensors, folder: Path, intervals: Intervals) -> Schedule:
+    """When the samples of a drive are taken.
+
+    Raises
+    ------
+    InputError
+        A drive that is shorter than a sample or absurdly long, or recorded stamps that do not fit.
+    """
+    sample_count(drive, sensors.rate)
+    return schedule_of(sensors.time, intervals, sensors.rate, drive.duration, folder)
+
+
+def scheduled_count(drive: Drive, sensors: Sensors, folder: Path) -> int:
+    """Number of the last sample that the drive holds; raises as ``planned``."""
+    instants = planned(drive, sensors, folder, "measured").instants
+    return sample_count(drive, sensors.rate) if instants is None else instants.last
 
 
 def wrap(angle: Array) -> Array:

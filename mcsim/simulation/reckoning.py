@@ -16,13 +16,22 @@ from typing import Any, Self
 import numpy as np
 
 from mcsim.scenario.case import CaseScenario
+from mcsim.sensor_terms.mechanisms.jitter import JITTER
 from mcsim.sensors.error_model import ChannelErrors
 from mcsim.sensors.measurement import AtRest, Measurement, NormalWeights
-from mcsim.simulation.limits import angle_limits, rate_limits, sensor_limits, units_of
+from mcsim.sensors.schedule import STAMPS, Schedule
+from mcsim.simulation.limits import (
+    angle_limits,
+    loss_limits,
+    rate_limits,
+    sensor_limits,
+    units_of,
+)
 from mcsim.simulation.linear_errors import Errors, Weights, variances_of
 from mcsim.simulation.nets import net_normals
 from mcsim.simulation.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.simulation.running import LinearWeights, Sensors, adjoint_weights, run
+from mcsim.simulation.time_errors import clock_of, instant_weights, stamp_weights, truth_late
 
 
 @dataclass(frozen=True)
@@ -85,8 +94,8 @@ class Reckoning:
     @cached_property
     def weights(self) -> Weights:
         """First-order weights of all disturbances: by the system's own steps."""
-        system = self.system(Measurement.none(self.sensor_errors), disturbed=False)
-        return Weights.without_rest(*adjoint_weights(system, self.rows))
+        samples, constants = self._by_steps
+        return Weights.without_rest(samples[:, :, : self.kernel.CHANNELS], constants)
 
     @property
     def at_rest(self) -> AtRest | None:
@@ -131,10 +140,50 @@ class Reckoning:
         lengths = {places(n): tuple(map(places, of)) for n, of in self.description.lengths.items()}
         return Errors(tuple(self.kernel.LINEAR), lengths)
 
+    @property
+    def schedule(self) -> Schedule | None:
+        """When samples are taken, and what integrators know of it; None where that is even."""
+        return self.sensor_errors.schedule
+
+    @property
+    def timed(self) -> bool:
+        """Whether the system reads an interval with each sample."""
+        return self.schedule is not None and self.schedule.varies
+
+    @property
+    def times(self) -> Array:
+        """Times (n + 1,) of the samples, in s from the first."""
+        schedule = self.schedule
+        if schedule is None or schedule.instants is None or schedule.instants.even:
+            return np.arange(self.n_samples + 1, dtype=float) * self.interval
+        return schedule.instants.true
+
+    @property
+    def longest(self) -> float:
+        """The longest interval, in sampling intervals, that practically any realization has."""
+        return 1.0 if self.schedule is None else self.schedule.longest
+
+    @cached_property
+    def read(self) -> Array:
+        """The rows as the kernel reads them: with the interval before each, where it varies."""
+        if not self.timed or self.schedule is None:
+            return self.rows
+        return np.column_stack([self.rows, self.schedule.ratios])
+
+    @cached_property
+    def _by_steps(self) -> tuple[Array, Array]:
+        """Weights of all that steps read and of what is drawn once; see ``adjoint_weights``."""
+        system = self.system(Measurement.none(self.sensor_errors), disturbed=False)
+        return adjoint_weights(system, self.read)
+
     @cached_property
     def measurement(self) -> Measurement:
         """The sensor errors as the kernel takes them."""
-        return Measurement.of(self.sensor_errors, self.rows, self.interval, first=self.first)
+        m = Measurement.of(self.sensor_errors, self.rows, self.interval, first=self.first)
+        if self.timed and len(m.jitter):
+            # Time begins at the first instant.
+            m = replace(m, jitter=np.concatenate([0.0 * m.jitter[:1], m.jitter[1:]]))
+        return m
 
     def measured_by(self, measurement: Measurement) -> Self:
         """The same problem with other sensors."""
@@ -160,8 +209,23 @@ class Reckoning:
         found |= variances_of(
             self.weights.constants, self.initial_deviations, self.description.initial
         )
+        found |= self._time_variances()
         if self.at_rest is not None:
             found["levelling noise"] = self.measurement.levelling_noise(self.at_rest)
+        return found
+
+    def _time_variances(self) -> dict[str, Array]:
+        """Variances (l,) by what instants and stamps of samples err."""
+        schedule, jitters = self.schedule, self.measurement.jitter
+        if schedule is None or not schedule.varies:
+            return {}
+        found, intervals = {}, self._by_steps[0][:, :, -1]
+        if len(jitters):
+            signals = np.einsum("enc,nc->en", self.weights.samples, jitters)
+            instants = instant_weights(schedule, intervals, signals)
+            found[JITTER] = np.sum(instants**2, axis=1)
+        if schedule.times.stamp_jitter and not schedule.nominal:
+            found[STAMPS] = np.sum(stamp_weights(schedule, intervals) ** 2, axis=1)
         return found
 
     @cached_property
@@ -183,6 +247,7 @@ class Reckoning:
                 lambda m: self.measured_by(m).simulate(key, 0, count).errors,
             ),
             *rate_limits(self.beyond_rate, 1.0 / self.interval, self.description.signals),
+            *loss_limits(self.schedule),
             *self.further_limits(key, count),
             *angle_limits(self.error_names, wrapping, self.method_errors(), spread),
         )
@@ -225,7 +290,7 @@ class Reckoning:
             key,
             first,
             count,
-            Sensors(self.rows, m.white, m.terms),
+            Sensors(self.read, m.white, m.terms, clock_of(self.schedule, disturbed)),
             self._kernel_weights if with_linear else None,
             net_normals(key, first, count, net, self.drawn(m)) if net else None,
             history,
@@ -252,6 +317,17 @@ class Reckoning:
     def first_noise(self) -> list[int]:
         """Places of the noise of sample 0 among the constants."""
         return [first + k for first in self.kernel.FIRST for k in range(3)]
+
+    def late(self, states: Array, truth: Array) -> tuple[Array, Array]:
+        """Recorded states without how late samples are, and the truth (k, n + 1, r or 1) then.
+
+        ``truth`` (k, n + 1) is that at the ``times``.
+        """
+        if not self.timed:
+            return states, truth[:, :, None]
+        if self.measurement.jitter.shape[0] == 0:
+            return states[:-1], truth[:, :, None]
+        return states[:-1], truth_late(truth, self.times, states[-1])
 
     @cached_property
     def _kernel_weights(self) -> LinearWeights:

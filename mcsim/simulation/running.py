@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mcsim.kernels.adjoint import adjoint
 from mcsim.kernels.frame import simulate
+from mcsim.kernels.lane_steps import read_of
 from mcsim.kernels.parts import kernel_of
 from mcsim.kernels.system import Results, Sensors
 from mcsim.kernels.system import Weights as LinearWeights
@@ -25,7 +26,7 @@ def adjoint_weights(system: Any, signals: Array) -> tuple[Array, Array]:
     draws once per unit of its deviation; see ``mcsim.kernels.adjoint``.
     """
     channels, rows = system.CHANNELS, len(system.LINEAR)
-    samples = np.zeros((rows, len(signals), channels + getattr(system, "BARE", 0)))
+    samples = np.zeros((rows, len(signals), read_of(type(system))))
     constants = np.zeros((rows, system.CONSTANTS))
     sensors = Sensors(signals, np.zeros(channels), no_terms(channels))
     unit = system._replace(deviations=type(system.deviations)(*[1.0] * len(system.deviations)))

@@ -39,7 +39,9 @@ def add_rule(
     step : callable
         ``step(system, state, read) -> state``, one sample on.  ``read`` are the channels: forward
         and left acceleration (m/s^2), yaw turn (rad per interval), in space then upward force,
-        roll turn, pitch turn; ``system.interval`` is the interval (s).
+        roll turn, pitch turn; ``system.interval`` is the interval (s).  Where intervals vary
+        (``sensors.time``), both are those of the sample's own interval, and a sample that is lost
+        makes no step.
     end : callable
         ``end(system, state) -> motion``, of the type that ``start`` gets.
 
@@ -65,5 +67,8 @@ def add_rule(
         most = custom.MOST_VARIED - base.CHANNELS
         raise InputError(f"{name}: a state of more than {most} variables has no linear model here")
     own = f"{name}_{digest_of(state, start, step, end)}"
-    add_system(case, name, custom.system_of(base, own, state, start, step, end))
+    even, timed = (
+        custom.system_of(base, own, state, (start, step, end), timed) for timed in (False, True)
+    )
+    add_system(case, name, even, timed)
     rules.add(name)

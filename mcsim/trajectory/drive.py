@@ -185,20 +185,20 @@ class Drive:
         signals[:, inside] = motion.forward, motion.left, motion.yaw_rate
         return signals
 
-    def signals(self, t: Array, width: float = 0.0) -> Array:
+    def signals(self, t: Array, width: float | Array = 0.0) -> Array:
         """What ideal sensors measure at times ``t`` (k,): forward, left, yaw rate (3, k).
 
-        A time on a jump takes the mean of both sides.  With a ``width`` (s), a time whose
-        cell of that width holds a jump takes the mean over its cell, so that a grid of
-        cells keeps the integral wherever the jump lies between its points.
+        A time on a jump takes the mean of both sides.  With a ``width`` (s), of all or of each,
+        a time whose cell of that width holds a jump takes the mean over its cell, so that a grid
+        of cells keeps the integral wherever the jump lies between its points.
         """
         signals = self._signals(t)
-        half = max(0.5 * width, _BESIDE)
+        half = np.broadcast_to(np.maximum(0.5 * np.asarray(width), _BESIDE), t.shape)
         for jump in (0.0, *self.manoeuvre.jumps, self.manoeuvre.duration):
             near = np.abs(t - jump) < half
             if np.any(near):
-                before = np.clip(0.5 + (jump - t[near]) / (2.0 * half), 0.0, 1.0)
-                if width == 0.0:
+                before = np.clip(0.5 + (jump - t[near]) / (2.0 * half[near]), 0.0, 1.0)
+                if np.all(np.asarray(width) == 0.0):
                     before[:] = 0.5
                 sides = self._signals(jump + np.array([-2.0, 2.0]) * _BESIDE)
                 signals[:, near] = before * sides[:, :1] + (1.0 - before) * sides[:, 1:]

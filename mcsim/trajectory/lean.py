@@ -48,14 +48,14 @@ class Lean:
         """Angle at times ``t`` (rad)."""
         return self.polynomial(self._within(t))
 
-    def rate(self, t: Array, width: float = 0.0) -> Array:
+    def rate(self, t: Array, width: float | Array = 0.0) -> Array:
         """Its derivative (rad/s), or the mean over a cell of ``width`` (s) about each time.
 
         Means add up to the angle's own change, however it bends inside a cell: a momentary
         rate beside a kink would leave an error of the angle that stays.
         """
-        if width > 0.0:
-            half = 0.5 * width
+        if np.all(np.asarray(width) > 0.0):
+            half = 0.5 * np.asarray(width)
             return (self.angle(t + half) - self.angle(t - half)) / width
         first, last = self.polynomial.x[[0, -1]]
         rate = np.where((t >= first) & (t <= last), self.polynomial(self._within(t), 1), 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +15,7 @@ from mcsim import catalogue
 from mcsim.errors import InputError
 from mcsim.scenario.run import LARGEST_SEED
 from mcsim.scenario.sensor_block import is_file
+from mcsim.sensor_terms.mechanisms import LowPass
 from mcsim.vibration.excitations import acceleration
 from mcsim.vibration.log import Log
 from mcsim.vibration.scenario import VibrationScenario, read_vibration
@@ -170,8 +172,8 @@ def _simulated(scenario: VibrationScenario, name: str) -> Seen:
     place = log.channels.index(scenario.along)
     alone = replace(log, channels=(scenario.along,), samples=log.samples[:, place : place + 1])
     axis = 0 if len(log.channels) == 1 else AXES.index(scenario.along)
-    width = errors_of(scenario, len(log.channels)).bandwidths[axis]
-    known = width if np.isfinite(width) else float("nan")
+    filters = errors_of(scenario, len(log.channels)).filters[axis]
+    known = next((one.bandwidth for one in filters if isinstance(one, LowPass)), math.nan)
     return Seen(name, alone, log.time, ideal_of(scenario, log.time), known)
 
 

@@ -18,10 +18,10 @@ def _problem(model: PlanarScenario, folder: Path) -> Problem:
 
 
 def _samples(model: PlanarScenario, folder: Path) -> int:
-    from mcsim.simulation.planar_samples import sample_count
+    from mcsim.simulation.planar_samples import scheduled_count
     from mcsim.tracks import drive_of
 
-    return sample_count(drive_of(model.trajectory, folder), model.sensors.rate)
+    return scheduled_count(drive_of(model.trajectory, folder), model.sensors, folder)
 
 
 def _kernel() -> type[Any]:

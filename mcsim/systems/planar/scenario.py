@@ -8,6 +8,7 @@ from mcsim.scenario.block import Block
 from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.initial import Initial
 from mcsim.scenario.rules import Rules
+from mcsim.scenario.sample_times import Intervals
 from mcsim.scenario.sensors import Sensors
 from mcsim.tracks import Trajectory
 
@@ -20,6 +21,8 @@ class Reconstruction(Block):
 
     integration: Rule = "rectangular"
     """`rectangular` is the paper's way; `trapezoidal` is of second order; or a rule of your own."""
+    intervals: Intervals = "measured"
+    """The time between two samples: by their time stamps, or the nominal one, whatever they say."""
 
 
 class PlanarScenario(CaseScenario):

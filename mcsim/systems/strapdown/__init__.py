@@ -23,12 +23,12 @@ def _problem(model: StrapdownScenario, folder: Path) -> Problem:
 
 
 def _samples(model: StrapdownScenario, folder: Path) -> int:
-    from mcsim.simulation.planar_samples import sample_count
+    from mcsim.simulation.planar_samples import scheduled_count
     from mcsim.systems.strapdown.truth import check_lean
     from mcsim.tracks import drive_of
 
     drive = drive_of(model.trajectory, folder)
-    count = sample_count(drive, model.sensors.rate)
+    count = scheduled_count(drive, model.sensors, folder)
     check_lean(model, drive)
     return count
 

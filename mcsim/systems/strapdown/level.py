@@ -19,7 +19,7 @@ from mcsim.simulation.lengths import length_quantile
 from mcsim.simulation.limits import duration_limits
 from mcsim.simulation.linear_errors import beyond_controls, length_moments
 from mcsim.simulation.planar import CHANNELS, PlanarProblem, initial_deviations
-from mcsim.simulation.planar_samples import course_missing, wrap
+from mcsim.simulation.planar_samples import course_missing, planned, wrap
 from mcsim.simulation.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.systems.strapdown.constants import signals_at_rest, tilt_deviations
 from mcsim.systems.strapdown.problem import CHANNELS as ALL_CHANNELS
@@ -72,8 +72,17 @@ class LevelProblem:
         errors = channel_errors(sensors, CHANNELS, duration, at_rest, further)
         errors = replace(errors, mixing=(*_tilts(model), *errors.mixing))
         everything = channel_errors(sensors, ALL_CHANNELS, duration, at_rest)
-        samples = sampled(drive, sensors.rate, sensors.sampling, everything.filters)
         errors = per_interval(errors, ALL_RATES, 1.0 / sensors.rate)
+        plan = planned(drive.drive, sensors, folder, model.reconstruction.intervals)
+        errors = replace(errors, schedule=plan)
+        samples = sampled(
+            drive,
+            sensors.rate,
+            sensors.sampling,
+            everything.filters,
+            plan.instants,
+            sensors.time.latency,
+        )
         planar = PlanarProblem(
             # The algorithm reads three channels; the others show in them by misalignment.
             signals=errors.with_columns(samples.signals),

@@ -99,8 +99,7 @@ def linear_weights(
     constants[:, [SPEED, COURSE]] = by_start
     constants[:, DIRECTION] = by_start[:, 1] + by_tilt[:, 2]
     if levelled:
-        by_force = by_tilt[:, :2] @ _levelling(rest)
-        at_rest[:, _FORCE] = by_force
+        at_rest[:, _FORCE] = by_tilt[:, :2] @ _levelling(rest)
     return Weights(samples, constants, at_rest)
 
 
@@ -204,6 +203,14 @@ def _euler_axes(pitch: float, heading: float) -> Array:
     """Tilt (3, 3) in the level frame per roll, pitch and heading."""
     cp, sp, ch, sh = np.cos(pitch), np.sin(pitch), np.cos(heading), np.sin(heading)
     return np.array([[ch * cp, -sh, 0.0], [sh * cp, ch, 0.0], [-sp, 0.0, 1.0]])
+
+
+def levelled_by_force(constants: Array, rest: Array) -> Array:
+    """Errors (7, 3) per mean specific force that levels, from those (7, k) of what is drawn once.
+
+    A force moves the initial roll and pitch, whose weights are among the constants'.
+    """
+    return np.asarray(constants[:, [ROLL, PITCH]] @ _levelling(rest), float)
 
 
 def _levelling(rest: Array) -> Array:

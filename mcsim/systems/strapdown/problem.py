@@ -20,7 +20,7 @@ from mcsim.simulation.linear_errors import Weights
 from mcsim.simulation.own import own_system
 from mcsim.simulation.planar import CHANNELS as PLANAR_CHANNELS
 from mcsim.simulation.planar import SIGNAL_NAMES
-from mcsim.simulation.planar_samples import course_missing, wrap
+from mcsim.simulation.planar_samples import course_missing, planned, wrap
 from mcsim.simulation.problem import Array, History, Limit, LinearModel
 from mcsim.simulation.reckoning import Description, Reckoning
 from mcsim.systems.strapdown.constants import (
@@ -31,7 +31,7 @@ from mcsim.systems.strapdown.constants import (
     initial_deviations,
     signals_at_rest,
 )
-from mcsim.systems.strapdown.linear import linear_weights
+from mcsim.systems.strapdown.linear import levelled_by_force, linear_weights
 from mcsim.systems.strapdown.samples import sampled
 from mcsim.systems.strapdown.scenario import StrapdownScenario
 from mcsim.systems.strapdown.truth import SpatialMotion, spatial_drive
@@ -95,8 +95,16 @@ class StrapdownProblem(Reckoning):
             signals_at_rest(rest),
             levelling=levelling.duration if levelling is not None else 0.0,
         )
-        samples = sampled(drive, sensors.rate, sensors.sampling, errors.filters)
-        errors = per_interval(errors, RATES, 1.0 / sensors.rate)
+        plan = planned(drive.drive, sensors, folder, model.reconstruction.intervals)
+        samples = sampled(
+            drive,
+            sensors.rate,
+            sensors.sampling,
+            errors.filters,
+            plan.instants,
+            sensors.time.latency,
+        )
+        errors = replace(per_interval(errors, RATES, 1.0 / sensors.rate), schedule=plan)
         return cls(
             signals=errors.with_columns(samples.signals),
             sensor_errors=errors,
@@ -115,17 +123,22 @@ class StrapdownProblem(Reckoning):
     @property
     def _own(self) -> type[Any] | None:
         """The system of a user's own rule."""
-        return own_system("strapdown", self.rule)
+        return own_system("strapdown", self.rule, self.timed)
 
     @property
     def kernel(self) -> Any:
-        return self._own or strapdown.Strapdown
+        return self._own or (strapdown.TimedStrapdown if self.timed else strapdown.Strapdown)
 
     @cached_property
     def weights(self) -> Weights:
         if self._own is not None:
             # What levels is taken from the motion that the rule makes.
             return super().weights
+        if self.timed:
+            found, level = super().weights, np.zeros((len(self.kernel.LINEAR), len(CHANNELS)))
+            if self.levelled:
+                level[:, FORCE] = levelled_by_force(found.constants, self.rest)
+            return replace(found, at_rest=level)
         return linear_weights(
             self.rows,
             self._start,
@@ -151,13 +164,18 @@ class StrapdownProblem(Reckoning):
     @cached_property
     def rows(self) -> Array:
         """The samples as the integrator takes them: the forward Euler rule is one behind."""
-        if self.rule != "forward_euler":
+        if not self._is_behind:
             return self.signals
         return np.concatenate([self.signals[:1], self.signals[:-1]])
 
     @property
+    def _is_behind(self) -> bool:
+        """Whether the integrator takes each sample with the next one's row."""
+        return self.rule == "forward_euler" and not self.timed
+
+    @property
     def first(self) -> int:
-        return 1 if self.rule == "forward_euler" else 0
+        return 1 if self._is_behind else 0
 
     @cached_property
     def linear(self) -> LinearModel:
@@ -210,7 +228,9 @@ class StrapdownProblem(Reckoning):
         second_order = self.rule in ("trapezoidal", "two_sample")
         turns = [m.largest(self.signals, turn) for turn in strapdown.TURNS]
         return self.kernel(
-            way=0 if self._own else strapdown.way_of(self.rule, float(np.linalg.norm(turns))),
+            way=0
+            if self._own
+            else strapdown.way_of(self.rule, self.longest * float(np.linalg.norm(turns))),
             interval=self.interval,
             gravity=self.gravity,
             previous_share=self.previous_share if second_order else 0.0,
@@ -226,7 +246,7 @@ class StrapdownProblem(Reckoning):
     def deviations(self, measurement: Measurement, disturbed: bool) -> Array:
         deviations = super().deviations(measurement, disturbed)
         if disturbed:
-            if self.rule != "forward_euler":
+            if not self._is_behind:
                 deviations[self.first_noise] = measurement.white
             deviations[REST] = [measurement.means[channel].deviation for channel in FORCE]
         return deviations
@@ -235,24 +255,26 @@ class StrapdownProblem(Reckoning):
         constants[:, REST] = weights.levelling[:, FORCE]
 
     def history(self, key: int, first: int, count: int, net: int = 0) -> History:
-        states, truth = self.states(key, first, count, net), self.truth
-        errors = states[:3] - truth.position[:, :, None]
+        truth, angles = self.truth, np.unwrap(_angles(self.truth), axis=1)
+        rows = np.concatenate([truth.position, angles, np.unwrap(truth.course)[None]])
+        states, then = self.late(self.states(key, first, count, net), rows)
+        errors = states[:3] - then[:3]
         return History(
-            time=np.arange(self.n_samples + 1, dtype=float) * self.interval,
+            time=self.times,
             tracks=states[:2],
             truth=truth.position[:2],
             errors=np.concatenate(
                 [
                     errors,
                     np.sqrt(np.sum(errors**2, axis=0))[None],
-                    wrap(states[6:9] - _angles(truth)[:, :, None]),
-                    self._course_errors(states)[None],
+                    wrap(states[6:9] - then[3:6]),
+                    self._course_errors(states, then[6])[None],
                 ]
             ),
         )
 
-    def _course_errors(self, states: Array) -> Array:
-        course = np.arctan2(states[4], states[3]) - self.truth.course[:, None]
+    def _course_errors(self, states: Array, truth: Array) -> Array:
+        course = np.arctan2(states[4], states[3]) - truth
         speed = np.hypot(*self.truth.velocity[:2])
         course[speed <= _STILL * np.max(speed)] = np.nan
         if "course" in self.missing:

@@ -21,6 +21,7 @@ from mcsim.scenario.initial import Initial
 from mcsim.scenario.place import Place
 from mcsim.scenario.response import Response
 from mcsim.scenario.rules import Rules
+from mcsim.scenario.sample_times import Intervals
 from mcsim.scenario.sensors import Sensors
 from mcsim.tracks import Trajectory
 from mcsim.units import STANDARD_GRAVITY
@@ -60,6 +61,8 @@ class StrapdownReconstruction(Block):
     planar case; `forward_euler`: the application note's recursion; `trapezoidal`: second
     order; `two_sample`: second order with coning and sculling corrections; or a rule of your
     own."""
+    intervals: Intervals = "measured"
+    """The time between two samples: by their time stamps, or the nominal one, whatever they say."""
 
     @model_validator(mode="after")
     def _planar_integrates_its_own_way(self) -> StrapdownReconstruction:
@@ -142,6 +145,16 @@ class StrapdownScenario(CaseScenario):
             raise reject(
                 "behind an `ac_coupling` no gravity is left to level by; remove it, or write "
                 "`initial.tilt_error` instead of `initial.levelling`"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _two_samples_of_one_kind(self) -> StrapdownScenario:
+        means = self.sensors.sampling == "average" and self.sensors.time.varies
+        if means and self.reconstruction.integration == "two_sample":
+            raise reject(
+                "reconstruction.integration: the corrections of `two_sample` take means over equal "
+                "intervals; with `sensors.time` write `sampling: none`, `fir` or `iir`"
             )
         return self
 

@@ -69,7 +69,7 @@ class SpatialDrive:
             attitude=euler_angles(self.road @ body),
         )
 
-    def signals(self, t: Array, width: float = 0.0) -> Array:
+    def signals(self, t: Array, width: float | Array = 0.0) -> Array:
         """What ideal sensors measure at times ``t`` (k,): channels (6, k).
 
         Specific force ``R^T (a + g)`` and body rates, in the order forward, left, yaw, up,

@@ -24,7 +24,7 @@ def _samples(model: VelocityScenario, folder: Path) -> int:
     from mcsim.systems.velocity.steps import step_count
     from mcsim.systems.velocity.truth import true_run
 
-    count = step_count(model)
+    count = step_count(model, folder)
     true_run(model, folder)
     return count
 

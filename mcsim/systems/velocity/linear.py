@@ -152,11 +152,11 @@ def velocity_weights(p: VelocityProblem) -> VelocityWeights:
         moved = inputs.astype(complex)
         moved[k] += _COMPLEX_STEP * 1j
         slopes = np.imag(accelerations(raw, moved, order)) / _COMPLEX_STEP
-        pushes[:, k] = np.cumsum(slopes)[counts - 1]
+        pushes[:, k] = np.cumsum(p.ratios * slopes)[counts - 1]
     per_sample = p.interval * accelerations(inputs[BIAS] + np.eye(3), inputs, order)
     times = _of_stamp(p.time_error, p.stamps) * accelerations(raw, inputs, order)
     return VelocityWeights(
-        steps=np.column_stack([np.broadcast_to(per_sample * p.white, raw.shape), times]),
+        steps=np.column_stack([np.outer(p.ratios, per_sample * p.white), times]),
         group=p.uncertainties * p.interval * pushes,
         counts=counts,
         stamps=p.stamps,

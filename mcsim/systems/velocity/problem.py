@@ -12,13 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.kernels.velocity import drawn_rows
-from mcsim.kernels.velocity_system import PER_INSTANT, RUN, Deviations, Inputs, Velocity
+from mcsim.kernels.velocity_system import (
+    PER_INSTANT,
+    RUN,
+    Deviations,
+    Inputs,
+    TimedVelocity,
+    Velocity,
+)
 from mcsim.sensors.error_model import ChannelErrors
 from mcsim.sensors.measurement import Measurement
-from mcsim.simulation.limits import SMALL_TILT, Units, sensor_limits
+from mcsim.sensors.schedule import Schedule
+from mcsim.simulation.limits import SMALL_TILT, Units, loss_limits, sensor_limits
 from mcsim.simulation.nets import net_normals
 from mcsim.simulation.problem import Array, History, Limit, LinearModel, Sample
 from mcsim.simulation.running import LinearWeights, Results, Sensors, run_into
+from mcsim.simulation.time_errors import clock_of
 from mcsim.systems.velocity.linear import (
     BIAS,
     LX,
@@ -32,7 +41,13 @@ from mcsim.systems.velocity.measured import GroupSamples, MeasuredGroups
 from mcsim.systems.velocity.raw_output import raw_errors
 from mcsim.systems.velocity.samples import rest_output, run_samples
 from mcsim.systems.velocity.scenario import Bias, Number, VelocityScenario
-from mcsim.systems.velocity.steps import check_group, rest_steps, step_count, steps_until
+from mcsim.systems.velocity.steps import (
+    check_group,
+    reported_steps,
+    rest_steps,
+    scheduled,
+    step_count,
+)
 from mcsim.systems.velocity.truth import true_run
 
 #: Errors at every instant: velocity of a run, of the mean, standard deviation of the runs.
@@ -73,6 +88,7 @@ class VelocityProblem:
     error_names: tuple[str, ...]
     percentiles: tuple[float, ...] = VelocityScenario.PERCENTILES
     told: tuple[Limit, ...] = ()
+    schedule: Schedule | None = None
 
     @classmethod
     def from_model(cls, model: VelocityScenario, folder: Path = Path()) -> VelocityProblem:
@@ -85,9 +101,12 @@ class VelocityProblem:
             be read or driven.
         """
         sensor, gravity = model.sensor, model.gravity
-        n = step_count(model)
+        n = step_count(model, folder)
         interval = 1.0 / sensor.rate
+        plan = scheduled(model, folder)
         times = np.arange(n + 1, dtype=float) / sensor.rate
+        if plan.instants is not None and not plan.instants.even:
+            times = plan.instants.true
         run = true_run(model, folder)
         errors = raw_errors(model)
         raw = run_samples(model, run, times, errors.filters)
@@ -99,7 +118,7 @@ class VelocityProblem:
         ]
         problem = cls(
             raw=raw,
-            truth=run.profile.velocity(times),
+            truth=run.profile.velocity(times + sensor.time.latency),
             inputs=np.array(
                 [*(q.estimate for q in numbers), *rest_output(model), 0.0, gravity.local_gravity]
             ),
@@ -118,9 +137,10 @@ class VelocityProblem:
             stamps=sensor.time_errors == "stamps",
             tilt_order=_TILT_ORDERS.index(model.tilt.order),
             runs=model.runs,
-            steps=np.array([steps_until(t, sensor.rate) for t in model.reported]),
+            steps=reported_steps(model, times),
             error_names=tuple(row.label for row in model.error_rows),
-            told=tuple(_told(model)),
+            told=(*_told(model), *loss_limits(plan)),
+            schedule=plan,
         )
         if problem.is_measured:
             check_group(model)
@@ -149,6 +169,18 @@ class VelocityProblem:
         """Raw output and what the axes sense (n + 1, 6): at rest, and at a run's steps."""
         raw = np.concatenate([self.inputs[None, REST], self.raw])
         return np.concatenate([raw, raw - self.inputs[BIAS]], axis=1)
+
+    @property
+    def timed(self) -> bool:
+        """Whether steps read their intervals."""
+        return self.schedule is not None and self.schedule.varies
+
+    @property
+    def ratios(self) -> Array:
+        """Intervals (n,) of the steps, in sampling intervals, as far as they are given."""
+        if self.schedule is None or not self.timed or self.schedule.nominal:
+            return np.ones(len(self.raw))
+        return self.schedule.ratios[1:]
 
     @cached_property
     def measurement(self) -> Measurement:
@@ -223,6 +255,7 @@ class VelocityProblem:
             uncertainties=0.0 * self.uncertainties,
             sensor_errors=self.sensor_errors.silent(),
             time_error=0.0,
+            schedule=None if self.schedule is None else self.schedule.without_losses(),
         )
         return still._run(0, 0, 1)[0][:, 0]
 
@@ -254,12 +287,19 @@ class VelocityProblem:
         # Runs of the first group, then of the next.
         tracks = curves.transpose(0, 2, 1).reshape(len(self.raw), -1)[:, :runs]
         return History(
-            time=np.arange(len(self.truth), dtype=float) * self.interval,
+            time=self._times,
             tracks=np.concatenate([np.zeros((1, runs)), tracks])[None],
             truth=self.truth[None],
             errors=self.errors_over_time(key, first, count, net),
             coordinates=("velocity [m/s]",),
         )
+
+    @property
+    def _times(self) -> Array:
+        """Times (n + 1,) of the samples, from the start (s)."""
+        if self.schedule is None or self.schedule.instants is None:
+            return np.arange(len(self.truth), dtype=float) * self.interval
+        return self.schedule.instants.true
 
     def _run(
         self,
@@ -280,7 +320,7 @@ class VelocityProblem:
             key,
             first,
             count,
-            Sensors(self._group_signals, self.white, m.terms),
+            Sensors(self._group_signals, self.white, m.terms, clock_of(self.schedule, True)),
             self._kernel_weights if controls else None,
             net_normals(key, first, count, net, drawn) if net else None,
             Results(errors, linear, curves, self.steps),
@@ -299,7 +339,8 @@ class VelocityProblem:
             uncertainties = uncertainties.copy()
             uncertainties[BIAS] = np.hypot(uncertainties[BIAS], self.sensor_errors.offsets)
             offsets = np.zeros_like(offsets)
-        return Velocity(
+        kind = TimedVelocity if self.timed else Velocity
+        return kind(
             way=RUN,
             draws=True,
             runs=self.runs,
@@ -316,12 +357,20 @@ class VelocityProblem:
     @cached_property
     def _group_signals(self) -> Array:
         """The signals of all samples of a group that is measured, else (n + 1, 6) of one run."""
-        return self._all_samples if self.is_measured else self.signals
+        return self._all_samples if self.is_measured else self._run_signals
+
+    @cached_property
+    def _run_signals(self) -> Array:
+        """The signals (n + 1, s) at rest and of a run; with its intervals where they vary."""
+        if self.timed and self.schedule is not None:
+            return np.column_stack([self.signals, self.schedule.ratios])
+        return self.signals
 
     @cached_property
     def _all_samples(self) -> Array:
         """The signals of all samples of a group, with the courses that follow from them."""
-        rest, run = self.signals[:1], self.signals[1:]
+        signals = self._run_signals
+        rest, run = signals[:1], signals[1:]
         return self.sensor_errors.with_columns(
             np.concatenate([np.tile(rest, (self.at_rest, 1)), np.tile(run, (self.runs, 1))])
         )

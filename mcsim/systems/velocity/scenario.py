@@ -28,6 +28,7 @@ from mcsim.scenario.named_sensor import ReckoningAccelerometer
 from mcsim.scenario.place import Place
 from mcsim.scenario.response import Response
 from mcsim.scenario.run import Outputs
+from mcsim.scenario.sample_times import Intervals, SampleTimes
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
 from mcsim.scenario.temperature import Temperature
 from mcsim.systems.velocity.profiles import StraightRun
@@ -101,6 +102,24 @@ class RawAccelerometer(Block):
     time_errors: Literal["independent", "stamps"] = "independent"
     """Intervals err independently, as the source assumes; or time stamps do, so that an
     interval that is too long is followed by one that is too short."""
+    time: SampleTimes = SampleTimes()
+    """When samples are taken: `latency`, `lost`, `rate_error` and recorded `stamps`; how stamps err
+    is said by `time_error`."""
+
+    @model_validator(mode="after")
+    def _stamps_err_once(self) -> RawAccelerometer:
+        for name in ("interval_jitter", "stamp_jitter"):
+            if getattr(self.time, name):
+                raise reject(
+                    f"time.{name}: here `time_error` says how intervals or, with `time_errors: "
+                    "stamps`, time stamps err"
+                )
+        if self.time.lost and self.sampling == "average":
+            raise reject(
+                "time.lost: what a mean over an interval holds is lost with its sample; write "
+                "`sampling: none`"
+            )
+        return self
 
     @model_validator(mode="wrap")
     @classmethod
@@ -165,6 +184,13 @@ class Gravity(Place):
 
     estimate: Annotated[Acceleration, Ge(_GRAVITY[0]), Le(_GRAVITY[1])] = 9.80665
     uncertainty: Annotated[Acceleration, NotNegative, Le(_GRAVITY[1])] = 0.0
+
+
+class Integration(Block):
+    """How the accelerations are integrated."""
+
+    intervals: Intervals = "measured"
+    """The time between two samples: by their time stamps, or the nominal one, whatever they say."""
 
 
 class Calibration(Block):
@@ -276,6 +302,7 @@ class VelocityScenario(CaseScenario):
     calibration: Calibration
     gravity: Gravity = Gravity()
     tilt: Tilt = Tilt()
+    reconstruction: Integration = Integration()
     runs: Annotated[int, Whole, Ge(1), Le(1000)] = 12
     """Runs M of a group; all runs of a group share calibration, rest, tilt and gravity."""
     outputs: VelocityOutputs = VelocityOutputs()
@@ -295,6 +322,15 @@ class VelocityScenario(CaseScenario):
         return value
 
     @model_validator(mode="after")
+    def _writes_even_runs(self) -> VelocityScenario:
+        if self.outputs.runs and self.sensor.time.varies:
+            raise reject(
+                "outputs.runs: raw runs are written with even intervals; leave `sensor.time` out, "
+                "and say by `sensor.time_error` how stamps err"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _instants_within_the_run(self) -> VelocityScenario:
         for instant in self.reported:
             if instant > self.trajectory.duration * (1.0 + 1e-9):
@@ -306,9 +342,9 @@ class VelocityScenario(CaseScenario):
 
     @property
     def files(self) -> tuple[str, ...]:
-        model = self.sensor.terms.model
+        model, stamps = self.sensor.terms.model, self.sensor.time.stamps
         of_sensor = (model,) if model is not None and is_file(model) else ()
-        return (*self.trajectory.files, *of_sensor)
+        return (*self.trajectory.files, *of_sensor, *((stamps.file,) if stamps else ()))
 
     @property
     def reported(self) -> tuple[float, ...]:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcsim.errors import InputError
+from mcsim.sensors.schedule import Schedule, schedule_of
 from mcsim.systems.velocity.raw_output import raw_errors
 from mcsim.systems.velocity.scenario import VelocityScenario
 
@@ -17,7 +20,45 @@ _MOST_STEPS, _MOST_OF_A_RUN = 20_000_000, 2_000_000
 _MOST_MEASURED, _MOST_COVARIANCES = 1_000_000, 5_000_000
 
 
-def step_count(model: VelocityScenario) -> int:
+def scheduled(model: VelocityScenario, folder: Path) -> Schedule:
+    """When the samples of a run are taken, and what the integration knows of it.
+
+    Raises
+    ------
+    InputError
+        Recorded stamps that do not fit the run, or a bandwidth beside intervals that vary.
+    """
+    sensor, duration = model.sensor, model.trajectory.duration
+    intervals = model.reconstruction.intervals
+    plan = schedule_of(sensor.time, intervals, sensor.rate, duration, folder, "sensor")
+    uneven = plan.instants is not None and not plan.instants.even
+    if uneven and any(raw_errors(model).filters):
+        raise InputError(
+            "sensor.accelerometer: what a filter makes of samples at intervals that are not "
+            "those of `sensor.rate` is not simulated here; leave it out, or `sensor.time`"
+        )
+    return plan
+
+
+def reported_steps(model: VelocityScenario, times: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Steps (k,) until the samples at ``times`` (n + 1,) that are nearest the instants asked for.
+
+    Raises
+    ------
+    InputError
+        Two instants have the same nearest sample.
+    """
+    asked = model.reported
+    middles = 0.5 * (times[:-1] + times[1:])
+    steps = np.maximum(np.searchsorted(middles, asked), 1)
+    same = np.flatnonzero(np.diff(steps) == 0)
+    if len(same):
+        one, two = asked[same[0]], asked[same[0] + 1]
+        raise InputError(f"instants: {one:g} s and {two:g} s have the same nearest sample")
+    return steps.astype(np.int64)
+
+
+def step_count(model: VelocityScenario, folder: Path = Path()) -> int:
     """Steps of a run.
 
     Raises
@@ -25,6 +66,7 @@ def step_count(model: VelocityScenario) -> int:
     InputError
         An instant earlier than the first sample, or an absurdly long run.
     """
+    plan = scheduled(model, folder)
     rate = model.sensor.rate
     if model.trajectory.rest * rate < 1.0 - 1e-9:
         raise InputError(
@@ -44,6 +86,7 @@ def step_count(model: VelocityScenario) -> int:
             f"interval; use a rate above {1.0 / model.reported[0]:.4g} Hz"
         )
     n = steps_until(model.trajectory.duration, rate)
+    n = n if plan.instants is None else plan.instants.last
     if n > _MOST_OF_A_RUN:
         raise InputError(
             f"trajectory.duration: a run of {n:,} samples is more than mcsim can hold; shorten it "
