@@ -109,7 +109,8 @@ def check(scenario: Scenario) -> None:
 def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
     """Turn the points' results into tables."""
     first = getattr(scenario.points[0].model, "trajectory", None)
-    told = notes_of(scenario.points[0].model, scenario.folder)
+    points = [point.model for point in scenario.points if point.index in sweep.points]
+    told = dict.fromkeys(note for model in points for note in notes_of(model, scenario.folder))
     remarks = [*drive_notes(first, scenario.folder), *told, *_remarks(scenario, sweep)]
     history, tracks = over_time(scenario, sweep)
     return Results(

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy import integrate, stats
 
@@ -179,3 +180,16 @@ def test_words_follow_from_the_numbers(monkeypatch):
     assert "holds in part of the groups" in text
     monkeypatch.setattr(repeated_runs, "_ALIKE", 1e-9)
     assert "none average out" in repeated_runs.repeated_runs().text
+
+
+@pytest.mark.slow
+def test_the_figure_holds_what_the_table_holds(tmp_path, monkeypatch):
+    monkeypatch.setattr(repeated_runs, "GROUPS", 400)
+    monkeypatch.setattr(repeated_runs, "_NORMALS", 2000)
+    (picture,) = repeated_runs.FIGURE.make(tmp_path)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    table = pd.read_csv(tmp_path / "table.csv")
+    assert set(table["source"]) == {*AVERAGES_OUT, "all together"}
+    tilt = table[(table["sensor"] == "A1") & (table["source"] == "tilt change")]
+    assert list(tilt["runs"]) == [1, 2, 4, 12, 48]
+    assert np.ptp(tilt["linear [m/s]"]) == 0.0

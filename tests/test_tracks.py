@@ -15,10 +15,11 @@ from mcsim.errors import InputError
 from mcsim.scenario.fields import Length
 from mcsim.scenario.paths import find_scalar, scalars
 from mcsim.scenario_file.schema import scenario_schema
+from mcsim.systems import notes_of
 from mcsim.systems.planar.scenario import PlanarScenario
 from mcsim.tracks import TRACKS, drive_of
 from mcsim.trajectory.curves import ClothoidCurve
-from tests.conftest import BASE, BASE_YAML
+from tests.conftest import BASE, BASE_YAML, scenario
 
 #: One of each shape; those that may need it are given with all their keys.
 EXAMPLES: dict[str, dict[str, Any]] = {
@@ -206,3 +207,17 @@ def test_a_shape_whose_block_has_another_name_is_refused():
     with pytest.raises(InputError, match=r'Spiral must say `shape: Literal\["helix"\]`'):
         mcsim.add(mcsim.Track("helix", Spiral, mcsim.along(_spiral)))
     assert "helix" not in TRACKS
+
+
+@pytest.mark.parametrize(
+    ("lead", "rate", "said"),
+    [("0 s", "60 Hz", False), ("0 s", "64 Hz", False), ("0 s", "63 Hz", True),
+     ("0.1 s", "63 Hz", False), ("10 ms", "63 Hz", True)],
+)  # fmt: skip
+def test_a_drive_that_ends_between_two_samples_says_so(lead, rate, said):
+    """A straight of 2.5 s: 157.5 intervals at 63 Hz; a lead of one interval holds a sample."""
+    block = {"shape": "straight", "length": "50 m", "speed": "20 m/s", "lead": lead}
+    s = scenario({"trajectory": block, "sensors.rate": rate})
+    notes = notes_of(s.base, s.folder)
+    assert len(notes) == said
+    assert all("ends between two samples" in note for note in notes)

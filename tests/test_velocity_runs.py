@@ -5,11 +5,13 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.integrate import quad, solve_ivp
 
 import mcsim
 from mcsim import InputError, Scenario
+from mcsim.papers import braking
 from mcsim.papers.braking import error_over_time, lowest_after_braking
 from mcsim.systems import check_point, problem_of
 from mcsim.systems.velocity.profiles import PROFILES, profile_of
@@ -247,6 +249,23 @@ def test_the_lowest_velocity_after_braking_is_that_of_the_closed_form():
         found = lowest_after_braking(model, frequency, height)
         assert found == pytest.approx(expected, rel=0.03)
         assert found < 0.0
+
+
+@pytest.mark.slow
+def test_the_figure_of_the_shipped_run(tmp_path, monkeypatch):
+    """Below zero after braking, in parts that add up, and by the closed form."""
+    monkeypatch.setattr(braking, "FREQUENCIES", np.array([1.0, 3.0, 9.0]))
+    (picture,) = braking.FIGURE.make(tmp_path)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    table = pd.read_csv(tmp_path / "table.csv")
+    t, error = table["time [s]"].to_numpy(), table["error [m/s]"].to_numpy()
+    np.testing.assert_allclose(error, closed_form(t, 0.25, 3.0, 0.2, 0.1), atol=1e-3)
+    assert error[t > 1.3].min() == pytest.approx(-0.0225, abs=5e-4)
+    np.testing.assert_allclose(
+        table["of gravity [m/s]"], closed_form(t, 0.25, 3.0, 0.2, 0.0), atol=5e-4
+    )
+    lowest = pd.read_csv(tmp_path / "lowest.csv")
+    assert lowest["lowest at 0.1 m [m/s]"][1] == pytest.approx(error[t > 1.3].min())
 
 
 def test_pitch_agrees_with_an_integration_of_the_equations():

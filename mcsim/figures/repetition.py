@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -71,7 +72,8 @@ def _draw_sources(
     for i, (source, (linear, simulated)) in enumerate(curves.items()):
         last = i == len(curves) - 1
         colour = _TOGETHER if last else curve_colour(i, len(curves))
-        style = {"color": colour, "linestyle": LINE_STYLES[i % 2], "linewidth": 1.3 + 0.7 * last}
+        style: dict[str, Any] = {"color": colour, "linestyle": LINE_STYLES[i % 2]}
+        style["linewidth"] = 1.3 + 0.7 * last
         axes.plot(runs, linear, **style)
         axes.plot(runs, simulated, color=colour, linestyle="", marker=MARKERS[i])
         axes.plot([], [], label=source, marker=MARKERS[i], **style)

@@ -29,6 +29,8 @@ from mcsim.trajectory import Drive, Motion
 
 #: Dense samples of the truth and samples of a drive whose arrays fit in memory (some 2 GB).
 _MOST_DENSE_SAMPLES, _MOST_SAMPLES = 20_000_000, 3_000_000
+#: Share of a drive after its last sample that is more than rounding.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -102,6 +104,20 @@ def course_missing(drive: Drive) -> Mapping[str, str]:
             "course": "the vehicle comes to rest within the last interval: its course is undefined"
         }
     return {}
+
+
+def end_notes(drive: Drive, rate: float) -> tuple[str, ...]:
+    """What to say of a drive whose manoeuvre goes on after the last sample; usually nothing.
+
+    Where a lead follows it, the last sample lies in that; without one it need not hold the end.
+    """
+    last = sample_count(drive, rate) / rate - drive.lead
+    if drive.manoeuvre.duration - last <= _ROUNDING * max(1.0, drive.duration):
+        return ()
+    return (
+        "trajectory: the manoeuvre ends between two samples, and no lead follows that holds one; "
+        "errors are those at the last sample, less than a sampling interval before the end",
+    )
 
 
 def sample_count(drive: Drive, rate: float) -> int:

@@ -24,6 +24,13 @@ def _samples(model: PlanarScenario, folder: Path) -> int:
     return scheduled_count(drive_of(model.trajectory, folder), model.sensors, folder)
 
 
+def _notes(model: PlanarScenario, folder: Path) -> tuple[str, ...]:
+    from mcsim.simulation.planar_samples import end_notes
+    from mcsim.tracks import drive_of
+
+    return end_notes(drive_of(model.trajectory, folder), model.sensors.rate)
+
+
 def _kernel() -> type[Any]:
     from mcsim.kernels.planar import Planar
 
@@ -48,4 +55,5 @@ CASE = Case(
     ),
     rules=RULES,
     kernel=_kernel,
+    notes=_notes,
 )

@@ -33,6 +33,13 @@ def _samples(model: StrapdownScenario, folder: Path) -> int:
     return count
 
 
+def _notes(model: StrapdownScenario, folder: Path) -> tuple[str, ...]:
+    from mcsim.simulation.planar_samples import end_notes
+    from mcsim.tracks import drive_of
+
+    return end_notes(drive_of(model.trajectory, folder), model.sensors.rate)
+
+
 def _kernel() -> type[Any]:
     from mcsim.kernels.strapdown import Strapdown
 
@@ -66,4 +73,5 @@ CASE = Case(
     ),
     rules=RULES,
     kernel=_kernel,
+    notes=_notes,
 )
