@@ -1,11 +1,11 @@
 """What Eq. (3.24) and the planner promise, and what simulated logs give.
 
-    python -m benchmarks.allan_errors [--seeds 8] [--trials 40]
+    python -m benchmarks.allan_errors [--seeds 6] [--trials 30]
 
-First the thesis' 15 axes: logs of 14 h at 10 Hz with the printed N, B and K, several seeds; how often
-the printed errors, Eq. (3.24) where each term is read, and the fit's own 95 % hold the truth.  Then
-mixes of noises, in logs that are planned for an accuracy: the scatter of the fits, and of the peak
-rule for Tc, beside the promise and Eq. (3.24).
+First the thesis' 15 axes: logs of 14 h at 10 Hz with the printed N, B and K, several seeds; how
+often the printed errors, Eq. (3.24) where each term is read, and the fit's own 95 % hold the truth.
+Then mixes of noises, in logs that are planned for an accuracy: the scatter of the fits, and of the
+peak rule for Tc, beside the promise and Eq. (3.24).
 """
 
 from __future__ import annotations
@@ -96,8 +96,8 @@ def correlation_times(asked: float, trials: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", type=int, default=8)
-    parser.add_argument("--trials", type=int, default=40)
+    parser.add_argument("--seeds", type=int, default=6)
+    parser.add_argument("--trials", type=int, default=30)
     options = parser.parse_args()
     recovery(options.seeds)
     print(

@@ -176,6 +176,19 @@ def test_curves_are_written(sensor, tmp_path):
         np.testing.assert_allclose(parts, x["total"], rtol=1e-12)
 
 
+def test_flicker_of_a_sensor_ends_at_its_cut_off(capsys):
+    found = mcsim.allan.curves("BNO055", axis="x", cutoff="0.01 Hz").table
+    b = found[found["term"] == "B"].set_index("tau_s")["adev"]
+    instability = 0.8039 / 3600.0
+    for tau, value in b.items():
+        expected = instability * math.sqrt(terms.flicker_variance(np.array([tau]), 0.01)[0])
+        assert value == pytest.approx(expected, rel=1e-9)
+    assert b.iloc[0] < 1e-3 * b.iloc[-1]
+    assert exit_code(["allan", "curves", "BNO055", "--cutoff", "0 Hz"]) == 2
+    assert exit_code(["allan", "curves", "--cutoff", "1 Hz"]) == 2
+    assert "name one" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_recovery_beside_the_printed_errors(monkeypatch):
     """S3 on one sensor: N within the printed 0.31 % (one standard error) times three, B and K

@@ -75,6 +75,7 @@ def plan(sensor: str, output: Path | None, quiet: bool, **options: Any) -> None:
 @click.argument("sensor", required=False)
 @_ELEMENT
 @_AXIS
+@click.option("--cutoff", metavar="'1 Hz'", help="Where a sensor's flicker noise ends, Eq. (3.16).")
 @_GIVEN_OUTPUT
 @NO_SUMMARY
 def curves(sensor: str | None, output: Path | None, quiet: bool, **options: Any) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,7 @@ from mcsim.figures.style import printed
 from mcsim.provenance import provenance_of
 from mcsim.report import Report
 from mcsim.text_table import columns
-from mcsim.units import KINDS, in_unit
+from mcsim.units import KINDS, in_unit, parse
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,7 +74,11 @@ class AllanCurves(Found):
 
 
 def curves(
-    sensor: str | Path | None = None, *, element: str | None = None, axis: str | None = None
+    sensor: str | Path | None = None,
+    *,
+    element: str | None = None,
+    axis: str | None = None,
+    cutoff: str | None = None,
 ) -> AllanCurves:
     """Theoretical Allan deviation of each term, or of the terms of a sensor.
 
@@ -84,6 +89,8 @@ def curves(
         themselves, Figures 3.2 to 3.7, with quantisation, ramp and sinusoid.
     element, axis : str, optional
         ``accelerometer`` or ``gyroscope``; ``x``, ``y`` or ``z``; all if absent.
+    cutoff : str, optional
+        Frequency above which a sensor's flicker noise ends, ``1 Hz``: Eq. (3.16); none if absent.
 
     Returns
     -------
@@ -93,21 +100,31 @@ def curves(
     Raises
     ------
     InputError
-        No such sensor, element or axis.
+        No such sensor, element or axis, or a cut-off that is not above zero.
     """
     if sensor is None:
-        if element is not None or axis is not None:
-            raise InputError("--element and --axis are of a sensor; name one")
+        if element is not None or axis is not None or cutoff is not None:
+            raise InputError("--element, --axis and --cutoff are of a sensor; name one")
         return _of_terms()
     found = sensor_axes(sensor, element, axis)
-    panels = tuple(panel_of(one) for one in found.axes)
+    end = _cutoff(cutoff)
+    axes = [replace(one, cutoff=end) for one in found.axes]
+    panels = tuple(panel_of(one) for one in axes)
     rows = [["axis", "term", "coefficient", "slope", "read at τ", "deviation there"]]
-    rows += [row for one in found.axes for row in _rows(one)]
-    origin = provenance_of(
-        "allan curves", [found.file] if found.file else [], {"sensor": found.name}
-    )
+    rows += [row for one in axes for row in _rows(one)]
+    options = {"sensor": found.name, "cutoff": cutoff}
+    origin = provenance_of("allan curves", [found.file] if found.file else [], options)
     title = f"{found.name}: Allan deviation of its terms"
     return AllanCurves(panels, _table(panels), "\n".join(columns(rows)), title, origin)
+
+
+def _cutoff(text: str | None) -> float:
+    if text is None:
+        return math.inf
+    frequency = parse(text, KINDS["frequency"])
+    if frequency <= 0.0:
+        raise InputError(f'--cutoff "{text}" must be above zero')
+    return frequency
 
 
 def cluster_times(shortest: float = _SHORTEST, longest: float = _LONGEST) -> Array:

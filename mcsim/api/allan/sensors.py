@@ -32,7 +32,8 @@ class SensorAxis:
     """One axis of a sensor, or all where they are alike; SI units.
 
     ``white`` (N), ``instability`` (B) and ``walk`` (K) are 0 where the sensor has none;
-    ``bandwidth`` (Hz) and ``resolution`` are 0 where they are not known.
+    ``bandwidth`` (Hz) and ``resolution`` are 0 where they are not known; flicker noise ends at
+    ``cutoff`` (Hz).
     """
 
     element: str
@@ -43,6 +44,7 @@ class SensorAxis:
     process: GaussMarkov | None
     bandwidth: float
     resolution: float
+    cutoff: float = math.inf
 
     @property
     def terms(self) -> tuple[NoiseTerm, ...]:
@@ -51,7 +53,7 @@ class SensorAxis:
             make(value)
             for make, value in (
                 (white, self.white),
-                (flicker, self.instability),
+                (lambda b: flicker(b, self.cutoff), self.instability),
                 (random_walk, self.walk),
             )
             if value
