@@ -157,6 +157,7 @@ FIGURES: Registry[PaperFigure] = Registry(
         "13": "mcsim.papers.velocity_figures:FIGURE_13",
         "14": "mcsim.papers.velocity_figures:FIGURE_14",
         "attitude-drift": "mcsim.papers.attitude_drift:FIGURE",
+        "interpolation": "mcsim.papers.planar_figures:INTERPOLATION",
         "strapdown": "mcsim.papers.shipped_sweeps:STRAPDOWN",
         "velocity": "mcsim.papers.shipped_sweeps:VELOCITY",
         "vibration": "mcsim.papers.shipped_vibrations:VIBRATION",
