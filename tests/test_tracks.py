@@ -26,6 +26,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "straight": {"length": "30 m", "speed": "10 m/s"},
     "half_cosine": {"length": "50 m", "width": "5 m", "speed": "20 m/s", "side_slip": "0.05 rad"},
     "quintic": {"length": "50 m", "width": "-5 m", "speed": "20 m/s", "deceleration": "2 m/s^2"},
+    "nonic": {"length": "50 m", "width": "5 m", "speed": "20 m/s"},
     "double_lane_change": {"length": "30 m", "width": "3 m", "gap": "10 m", "speed": "15 m/s"},
     "curve": {"radius": "40 m", "angle": "2 rad", "clothoid": "15 m", "speed": "12 m/s"},
     "waypoints": {

@@ -171,9 +171,7 @@ def _draw_panel(
     statistic = base.statistics()[base.figure.statistic]
     bar.set_label(labels.error_label((grid.error,), statistic, unit))
     if log:
-        bar.ax.yaxis.set_major_locator(
-            LogLocator(subs=steps_of(float(scale.vmin), float(scale.vmax)))
-        )
+        bar.ax.yaxis.set_major_locator(LogLocator(subs=steps_of(*map(float, mesh.get_clim()))))
         bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         bar.ax.yaxis.set_minor_formatter(NullFormatter())
 

@@ -162,6 +162,7 @@ FIGURES: Registry[PaperFigure] = Registry(
         "attitude-drift": "mcsim.papers.attitude_drift:FIGURE",
         "braking": "mcsim.papers.braking:FIGURE",
         "repeated-runs": "mcsim.papers.repeated_runs:FIGURE",
+        "interpolation": "mcsim.papers.planar_figures:INTERPOLATION",
         "strapdown": "mcsim.papers.shipped_sweeps:STRAPDOWN",
         "velocity": "mcsim.papers.shipped_sweeps:VELOCITY",
         "vibration": "mcsim.papers.shipped_vibrations:VIBRATION",

@@ -1,4 +1,4 @@
-"""Figures 1 to 5 of the planar paper: sweeps, of which two are composed."""
+"""Figures 1 to 5 of the planar paper: sweeps, of which two are composed; and interpolation."""
 
 from __future__ import annotations
 
@@ -15,3 +15,5 @@ def _figure(number: int) -> PaperFigure:
 
 
 FIGURE_1, FIGURE_2, FIGURE_3, FIGURE_4, FIGURE_5 = map(_figure, range(1, 6))
+#: What the paper's conclusions say of Figure 5: interpolation "may partly compensate" the rate.
+INTERPOLATION = PaperFigure("interpolation", partial(scenarios_of, "paper", "interpolation_*.yaml"))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from mcsim.errors import InputError
 from mcsim.kernels import planar
 from mcsim.scenario.initial import Initial
 from mcsim.sensor_terms.channel import ACCELEROMETER, GYROSCOPE, Channel
@@ -59,7 +60,11 @@ class PlanarProblem(Reckoning):
 
     @property
     def _own(self) -> type[Any] | None:
-        """The system of a user's own rule."""
+        """The system of a user's own rule, or of cubics between samples, if it is one."""
+        if self.rule == "cubic":
+            from mcsim.kernels.interpolated import Interpolated
+
+            return Interpolated
         return own_system("planar", self.rule, self.timed)
 
     @property
@@ -101,6 +106,8 @@ class PlanarProblem(Reckoning):
         drawn = self.deviations(m, disturbed)[: len(planar.Deviations._fields)]
         deviations = planar.Deviations(*map(float, drawn))
         trapezoidal = self.rule == "trapezoidal"
+        if self.rule == "cubic":
+            _refuse_wide_turns(m.largest(self.signals, 2), self.interval)
         way = planar.way_of(
             trapezoidal,
             self.longest * m.largest(self.signals, 2),
@@ -159,6 +166,19 @@ def initial_deviations(initial: Initial) -> Array:
         initial.course_error,
     )
     return deviations
+
+
+def _refuse_wide_turns(largest: float, interval: float) -> None:
+    """Cubics turn by a polynomial, whose range every sample of any use is within."""
+    from mcsim.kernels.interpolated import LARGEST_TURN, OVERSHOOT
+
+    if OVERSHOOT * largest > LARGEST_TURN:
+        rate = OVERSHOOT * largest / LARGEST_TURN / interval
+        raise InputError(
+            "reconstruction.integration: cubic: the vehicle may turn by "
+            f"{math.degrees(largest):.0f}° between two samples; raise `sensors.rate` above "
+            f"{rate:.0f} Hz"
+        )
 
 
 def _still(truth: Motion) -> float:

@@ -34,6 +34,7 @@ TRACKS: Registry[Track] = Registry(
         straight.TRACK,
         lane_change.HALF_COSINE,
         lane_change.QUINTIC,
+        lane_change.NONIC,
         double_lane_change.TRACK,
         curve.TRACK,
         waypoints.TRACK,

@@ -23,7 +23,7 @@ class DoubleLaneChange(DrivenTrackBlock):
     """Displacement across the road, positive to the left."""
     gap: Annotated[Length, NotNegative] = 0.0
     """Straight distance between the two lane changes."""
-    profile: Literal["half_cosine", "quintic"] = "quintic"
+    profile: Literal["half_cosine", "quintic", "nonic"] = "quintic"
     """Shape of each lane change."""
 
 

@@ -1,4 +1,4 @@
-"""Lane changes: a half-cosine, and a quintic of continuous curvature."""
+"""Lane changes: a half-cosine, and polynomials whose curvature has no jump, or no kink either."""
 
 from __future__ import annotations
 
@@ -13,9 +13,12 @@ from mcsim.trajectory.profiles import graph, lane_change
 
 
 class LaneChange(DrivenTrackBlock):
-    """A lane change: half-cosine, Eq. (1) of the paper, or a quintic of continuous curvature."""
+    """A lane change: half-cosine, Eq. (1) of the paper, or a polynomial.
 
-    shape: Literal["half_cosine", "quintic"]
+    The curvature of the quintic is continuous, that of the nonic smooth: signals without a kink.
+    """
+
+    shape: Literal["half_cosine", "quintic", "nonic"]
     length: Annotated[Length, Ge(1e-3)]
     """Distance L along the road."""
     width: Length
@@ -28,3 +31,4 @@ def _curve(block: LaneChange) -> ParametricCurve:
 
 HALF_COSINE = Track("half_cosine", LaneChange, along(_curve))
 QUINTIC = Track("quintic", LaneChange, along(_curve))
+NONIC = Track("nonic", LaneChange, along(_curve))

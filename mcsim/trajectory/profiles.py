@@ -16,7 +16,8 @@ def lane_change(profile: str, length: float, width: float) -> Profile:
     """Displacement across the road over 0 <= l <= L.
 
     ``half_cosine`` is Eq. (1) of the planar paper; ``quintic`` is the polynomial
-    whose slope and curvature vanish at both ends.
+    whose slope and curvature vanish at both ends, ``nonic`` the one of ninth degree, where two
+    more derivatives do: its curvature has no kink.
     """
 
     def half_cosine(u: Array) -> tuple[Array, Array, Array]:
@@ -36,7 +37,17 @@ def lane_change(profile: str, length: float, width: float) -> Profile:
             width / length**2 * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x),
         )
 
-    return {"half_cosine": half_cosine, "quintic": quintic}[profile]
+    def nonic(u: Array) -> tuple[Array, Array, Array]:
+        x = u / length
+        y = x * (1.0 - x)
+        rise = 126.0 + x * (-420.0 + x * (540.0 + x * (-315.0 + x * 70.0)))
+        return (
+            width * x**5 * rise,
+            width / length * 630.0 * y**4,
+            width / length**2 * 2520.0 * y**3 * (1.0 - 2.0 * x),
+        )
+
+    return {"half_cosine": half_cosine, "quintic": quintic, "nonic": nonic}[profile]
 
 
 def graph(profile: Profile, pieces: list[float]) -> ParametricCurve:
