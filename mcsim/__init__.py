@@ -61,9 +61,11 @@ Scenarios and results:
 What the commands do:
 
 * ``budget(scenario)``: uncertainty of a velocity scenario (GUM) beside Monte Carlo; m/s, m/s^2.
-* ``calibrate(file)``: matrix (3, 3) and bias (3,) of a six-position test, in fractions of g.
+* ``calibrate(file)``: matrix (3, 3) and bias (3,) of positions at rest, in fractions of g.
 * ``linearity(file)``: slope and offset of a shaker test, with uncertainties.
 * ``characterise(log)``: a sensor's noise from a static log: a sensor file, Allan curve, spectrum.
+* ``characterise_several(logs)``: several of them, with one Allan plot.
+* ``compare_stretches(log)``: level, deviation and N before and after a bad stretch.
 * ``read_parameters(file)``: ready parameters in any dialect, as a sensor file.
 * ``convert(sensor, to)``: a sensor in another noise dialect, as text.
 * ``convert_quantity("0.2 °/√h")``: a noise figure in all units and dialects.
@@ -121,11 +123,13 @@ if TYPE_CHECKING:
     from mcsim.api.budget import budget
     from mcsim.api.calibrate import calibrate
     from mcsim.api.characterise import characterise
+    from mcsim.api.compare_stretches import compare_stretches
     from mcsim.api.convert import convert, convert_quantity, read_parameters
     from mcsim.api.linearity import linearity
     from mcsim.api.run import run
     from mcsim.api.scenario_files import schema, validate
     from mcsim.api.sensor_comparison import compare_vibrations
+    from mcsim.api.several_logs import characterise_several
     from mcsim.api.velocity import velocity
     from mcsim.api.vibration import analyse_vibration
     from mcsim.cli.command import Command
@@ -198,6 +202,8 @@ __all__ = [
     "budget",
     "calibrate",
     "characterise",
+    "characterise_several",
+    "compare_stretches",
     "compare_vibrations",
     "convert",
     "convert_quantity",
@@ -232,6 +238,8 @@ _WHERE = {
     "calibrate": "mcsim.api.calibrate",
     "characterise": "mcsim.api.characterise",
     "compare_vibrations": "mcsim.api.sensor_comparison",
+    "characterise_several": "mcsim.api.several_logs",
+    "compare_stretches": "mcsim.api.compare_stretches",
     "convert": "mcsim.api.convert",
     "convert_quantity": "mcsim.api.convert",
     "linearity": "mcsim.api.linearity",

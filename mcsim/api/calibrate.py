@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -111,7 +111,6 @@ def calibrate(
     *,
     positions: Positions = "six",
     weighted: bool = False,
-    simulated: SimulatedTest | None = None,
     rate: float | None = None,
     shortest_rest: float = 2.0,
     tell: Callable[[str], None] | None = None,
@@ -130,13 +129,13 @@ def calibrate(
         The six along the axes; any ten or more, by the norm of gravity; those in one log.
     weighted : bool
         Of six: each position's mean weighted by its own uncertainty.
-    simulated : SimulatedTest, optional
-        How a scenario's test is simulated; its values may be given as keywords too: ``samples``,
-        ``repetitions``, ``alignment``, ``count``, ``seed``.
     rate, shortest_rest : float
         Of a log: Hz where it has no time; the shortest rest that counts (s).
     tell : callable, optional
         Hears what was noticed about a file.
+    **simulation
+        How a scenario's test is simulated: ``samples``, ``repetitions``, ``alignment``, ``count``,
+        ``seed`` of ``SimulatedTest``.
 
     Returns
     -------
@@ -150,7 +149,7 @@ def calibrate(
         A file that cannot be read or is no such test, positions that cover too little, weights
         that nothing tells, or an angle that is none.
     """
-    path, test = Path(file), replace(simulated or SimulatedTest(), **simulation)
+    path, test = Path(file), SimulatedTest(**simulation)
     if weighted and positions != "six":
         raise InputError("--weighted: belongs to six positions; others are always weighted")
     is_simulated = is_scenario(path)

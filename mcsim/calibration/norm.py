@@ -143,7 +143,7 @@ def calibrate_by_norm(test: RestPositions) -> NormFit:
     covariance, freedom = _uncertainty(jacobian, own, extra, test)
     correction = _symmetric(unknowns)
     return NormFit(
-        matrix=np.linalg.inv(correction),
+        matrix=np.asarray(np.linalg.inv(correction), float),
         bias=unknowns[6:],
         correction=correction,
         covariance=covariance,
@@ -196,10 +196,17 @@ def _solved(means: Array, start: Array, weights: Array) -> Array:
     from scipy.optimize import least_squares
 
     root = np.sqrt(weights)
+
+    def weighted(x: Array) -> Array:
+        return np.asarray(root * equations(means, x)[0])
+
+    def slopes(x: Array) -> Array:
+        return np.asarray(root[:, None] * equations(means, x)[1])
+
     found = least_squares(
-        lambda x: root * equations(means, x)[0],
+        weighted,
         start,
-        jac=lambda x: root[:, None] * equations(means, x)[1],
+        jac=slopes,
         method="lm",
         xtol=1e-14,
         ftol=1e-14,

@@ -76,7 +76,6 @@ def calibrate(file: Path, output: Path, quiet: bool, **options: Unpack[_Options]
     Norms tell nine of twelve parameters: the correction is symmetric, a rotation of the sensor
     in its housing stays unknown.
     """
-    from mcsim.api.calibrate import SimulatedTest
     from mcsim.api.calibrate import calibrate as calibration_of
     from mcsim.text_table import frame_text
 
@@ -84,14 +83,15 @@ def calibrate(file: Path, output: Path, quiet: bool, **options: Unpack[_Options]
         file,
         positions=options["positions"],
         weighted=options["weighted"],
-        simulated=SimulatedTest(
-            options["samples"], options["repetitions"], options["alignment"], options["count"],
-            options["seed"],
-        ),
+        samples=options["samples"],
+        repetitions=options["repetitions"],
+        alignment=options["alignment"],
+        count=options["count"],
+        seed=options["seed"],
         rate=options["rate"],
         shortest_rest=options["rest"],
         tell=None if quiet else note,
-    )  # fmt: skip
+    )
     folder = output / f"{file.stem}-calibration"
     found.write(folder)
     if not quiet:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import click
 
@@ -13,6 +14,7 @@ from mcsim.cli.notes import say, silent
 from mcsim.cli.options import QUIET
 
 if TYPE_CHECKING:
+    from mcsim.api.characterise import LogOptions
     from mcsim.characterisation.analysis import Characterisation
     from mcsim.characterisation.fit import Intervals
 
@@ -36,6 +38,7 @@ class _Options(TypedDict):
     non_overlapping: bool
     confidence: str
     intervals: Intervals
+    compare: str | None
     dialect: str | None
     assume: tuple[str, ...]
     noise_convention: str | None
@@ -45,7 +48,7 @@ class _Options(TypedDict):
 
 
 @click.command()
-@click.argument("log", type=click.Path(path_type=Path))
+@click.argument("logs", metavar="LOG…", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "--rate",
     type=Hertz(),
@@ -81,6 +84,12 @@ class _Options(TypedDict):
     help="Of N, B and K: from blocks of the log, or from the noise that was fitted.",
 )
 @click.option(
+    "--compare",
+    metavar="FROM:TO",
+    help="Compare what lies before a bad stretch (s) and after it: level, deviation, N, with "
+    "tests; auto looks for it, FROM:TO,FROM:TO names the two that are compared.",
+)
+@click.option(
     "--from",
     "dialect",
     type=DialectName("readable"),
@@ -108,35 +117,33 @@ class _Options(TypedDict):
     help="Folder for the results; output/LOG if absent.",
 )
 @QUIET
-def characterise(log: Path, **options: Unpack[_Options]) -> None:
+def characterise(logs: tuple[Path, ...], **options: Unpack[_Options]) -> None:
     """Characterise a sensor from a static log; write sensor.yaml, tables and figures.
 
     LOG is a CSV file (plain or packed; units in its header or by --units; time in
     s, ms, µs, ns, dates and times, or --rate), a folder of EuRoC, TUM-VI or
     gnss-ins-sim, a ROS bag or MCAP file (extra mcsim[bags]), or ready parameters in any
-    dialect that mcsim convert reads.
+    dialect that mcsim convert reads.  Several logs are characterised one by one, and their Allan
+    deviations drawn in one figure.
 
     Noise: N is Allan's (two-sided); a data sheet's one-sided density is √2 N.
     """
-    folder = options["output"] or Path("output") / _stem(log)
-    if _is_parameters(log):
-        _parameters(log, folder, options)
+    folder = options["output"] or Path("output") / "-".join(_stem(log) for log in logs[:3])
+    if len(logs) > 1:
+        _several(logs, folder, options)
+    elif _is_parameters(logs[0]):
+        _parameters(logs[0], folder, options)
+    elif options["compare"] is not None:
+        _compare(logs[0], folder, options["compare"], options)
     else:
-        _log(log, folder, options)
+        _log(logs[0], folder, options)
 
 
 COMMAND = Command("characterise", characterise)
 
 
-def _log(log: Path, folder: Path, options: _Options) -> None:
-    from mcsim.api.characterise import LogOptions
-    from mcsim.api.characterise import characterise as characterisation_of
-    from mcsim.cli.progress import announce_compilation
-
-    if not options["quiet"]:
-        announce_compilation()
-    tell = silent if options["quiet"] else say
-    read: LogOptions = {
+def _read(options: _Options) -> LogOptions:
+    return {
         "rate": options["rate"],
         "columns": options["columns"],
         "units": options["units"],
@@ -144,20 +151,75 @@ def _log(log: Path, folder: Path, options: _Options) -> None:
         "start": options["start"],
         "end": options["end"],
     }
-    found = characterisation_of(
-        log,
-        read=read,
-        fit_range=options["fit_range"],
-        overlapping=not options["non_overlapping"],
-        confidence=options["confidence"],
-        intervals=options["intervals"],
-        tell=tell,
-    )
+
+
+def _begin(options: _Options) -> Callable[[str], None]:
+    """What hears about progress."""
+    from mcsim.cli.progress import announce_compilation
+
+    if options["quiet"]:
+        return silent
+    announce_compilation()
+    return say
+
+
+def _arguments(options: _Options, tell: Callable[[str], None]) -> dict[str, Any]:
+    return {
+        "read": _read(options),
+        "fit_range": options["fit_range"],
+        "overlapping": not options["non_overlapping"],
+        "confidence": options["confidence"],
+        "intervals": options["intervals"],
+        "tell": tell,
+    }
+
+
+def _log(log: Path, folder: Path, options: _Options) -> None:
+    from mcsim.api.characterise import characterise as characterisation_of
+
+    tell = _begin(options)
+    found = characterisation_of(log, **_arguments(options, tell))
     tell("drawing")
     found.write(folder)
     if not options["quiet"]:
         click.echo(_summary(found.analysis, found.verdict))
         click.echo(", ".join(str(folder / name) for name in _FILES))
+
+
+def _several(logs: tuple[Path, ...], folder: Path, options: _Options) -> None:
+    from mcsim.api.several_logs import characterise_several
+    from mcsim.errors import InputError
+    from mcsim.text_table import frame_text
+
+    if options["compare"] is not None:
+        raise InputError("--compare: takes one log; several are compared without it")
+    for log in logs:
+        if _is_parameters(log):
+            raise InputError(f"{log}: holds parameters; several files must all be logs")
+    tell = _begin(options)
+    found = characterise_several(logs, **_arguments(options, tell))
+    tell("drawing")
+    found.write(folder)
+    if not options["quiet"]:
+        click.echo(frame_text(found.table))
+        click.echo("N, B, K in SI units (m/s², rad/s; s), with the ends of their intervals")
+        click.echo(f"{folder / 'allan.png'}, {folder / 'noise.csv'}, and a folder for each log")
+
+
+def _compare(log: Path, folder: Path, stretches: str, options: _Options) -> None:
+    from mcsim.api.compare_stretches import compare_stretches
+    from mcsim.text_table import frame_text
+
+    tell = _begin(options)
+    found = compare_stretches(
+        log, stretches, read=_read(options), intervals=options["intervals"], tell=tell
+    )
+    found.write(folder)
+    if not options["quiet"]:
+        click.echo("; ".join(found.names))
+        click.echo(frame_text(found.table))
+        click.echo(f"SI units (m/s², rad/s; N: times √s). {found.words}")
+        click.echo(f"{folder / 'comparison.csv'}, {folder / 'comparison.png'}")
 
 
 def _is_parameters(log: Path) -> bool:
