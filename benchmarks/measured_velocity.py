@@ -37,7 +37,7 @@ NAMES = ("Eq. (30), run", "MC, run", "Eq. (31), mean", "MC, mean")
 ORDERS = ("first", "second", "exact")
 FACTOR = 1.959963984540054
 #: Draws for each group.
-DRAWS = 400
+DRAWS = 200
 
 
 @dataclass(frozen=True)
@@ -155,15 +155,21 @@ def main() -> None:
     print("for each: ± u (68.3 is right), ± 1.96 u (95), true errors over u (1)")
     print(f"{'':<36}{''.join(f'{name:<22}' for name in NAMES)}interval")
     for name, bench in BENCHES.items():
-        found = coverage(bench, groups)
-        for i, instant in enumerate(("a third", "the end")):
-            cells = "".join(
-                f"{100 * found.one[i, k]:5.1f} {100 * found.two[i, k]:5.1f} "
-                f"{found.ratio[i, k]:5.2f}     "
-                for k in range(len(NAMES))
-            )
-            what = f"{name}" if i == 0 else ""
-            print(f"{what:<27}{instant:<8} {cells}{100 * found.interval[i]:5.1f}", flush=True)
+        print(lines(name, bench, groups), flush=True)
+
+
+def lines(name: str, bench: Bench, groups: int) -> str:
+    """Two lines: coverage after a third of the motion, and at its end."""
+    found, told = coverage(bench, groups), []
+    for i, instant in enumerate(("a third", "the end")):
+        cells = "".join(
+            f"{100 * found.one[i, k]:5.1f} {100 * found.two[i, k]:5.1f} "
+            f"{found.ratio[i, k]:5.2f}     "
+            for k in range(len(NAMES))
+        )
+        what = "" if i else name
+        told.append(f"{what:<27}{instant:<8} {cells}{100 * found.interval[i]:5.1f}")
+    return "\n".join(told)
 
 
 if __name__ == "__main__":

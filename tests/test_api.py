@@ -11,6 +11,7 @@ import pytest
 
 import mcsim
 from mcsim.errors import InputError
+from mcsim.systems.velocity.raw_log import raw_log
 from tests.conftest import BASE_YAML
 
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
@@ -34,6 +35,7 @@ CALLS = {
     "schema": "mcsim.schema('vibration')",
     "table": "mcsim.table('gravity-leakage').tables",
     "validate": "[mcsim.validate('case.yaml')]",
+    "velocity": f"mcsim.velocity('runs.csv', {str(A1)!r}, monte_carlo={{'draws': 200}}).table",
 }
 _ORDER = sorted(CALLS, key=lambda name: name == "load")  # what `run` has written
 
@@ -55,6 +57,8 @@ def test_functions_work_without_the_command_line(tmp_path):
     log = np.random.default_rng(1).standard_normal((6000, 2))
     columns = ["accel_x [m/s^2]", "accel_y [m/s^2]"]
     pd.DataFrame(log, columns=columns).to_csv(tmp_path / "static.csv", index=False)
+    runs = raw_log(mcsim.Scenario.from_yaml(A1, ["runs=2"]).base, 1)
+    pd.DataFrame(runs).to_csv(tmp_path / "runs.csv", index=False)
     lines = [
         "import sys, mcsim",
         "sys.modules['click'] = sys.modules['mcsim.cli'] = None",

@@ -145,7 +145,7 @@ def group_of(
     n = min(len(run.raw) for run in runs)
     time: Array
     if by_samples:
-        time = np.array([run.time[: n + 1] for run in runs]).mean(axis=0)
+        time = np.asarray(np.mean([run.time[: n + 1] for run in runs], axis=0), np.float64)
         raw = np.array([run.raw[:n] for run in runs])
         intervals = np.array([np.diff(run.time[: n + 1]) for run in runs])
     else:
