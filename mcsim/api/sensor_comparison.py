@@ -8,7 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from mcsim.api.found import Found
-from mcsim.api.vibration import FilterOptions, LogOptions, chain_of, engine_of, is_scenario
+from mcsim.api.vibration import (
+    ONLY_OF_LOGS,
+    FilterOptions,
+    LogOptions,
+    chain_of,
+    engine_of,
+    is_scenario,
+)
 from mcsim.errors import InputError
 from mcsim.logs.formats import open_log
 from mcsim.logs.model import ReadOptions
@@ -189,6 +196,8 @@ def compare_vibrations(
     if held is not None and held not in logs:
         logs.insert(0, held)
     _refuse_nothing(path, logs, sensors)
+    if read and not logs:
+        raise InputError(ONLY_OF_LOGS)
     scenario = read_vibration(path) if path is not None else None
     chain = chain_of(scenario.analysis if scenario else Chain(), filters or {})
     seen = simulate_seen(path, sensors_named(sensors), tell) if path and sensors else []
@@ -215,7 +224,7 @@ def compare_vibrations(
         scenario.duration if scenario else float("nan"),
     )
     name = path.stem if path else seen[place or 0].name
-    title = (scenario.title if scenario else None) or name
+    title = (scenario.title if scenario else None) or (name if path else "One vibration")
     return SensorComparison(
         f"{name}-sensors", title, found, scenario, _notes(seen), simulated, origin
     )
