@@ -106,6 +106,7 @@ EXCITED = {
     "harmonic": ENGINE.splitlines()[-1].removeprefix("excitation: "),
     "sweep": "{shape: sweep, first: 1 Hz, last: 10 Hz, amplitude: 1 m/s²}",
     "elevator": ELEVATOR.replace("}", ", hum: [{frequency: 9 Hz, amplitude: 0.1 m/s²}]}"),
+    "rest": "{shape: rest}",
 }
 
 

@@ -8,26 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from mcsim.api.found import Found
-from mcsim.api.vibration import FilterOptions, LogOptions, chain_of, engine_of, is_scenario
+from mcsim.api.seen_logs import all_seen, laid_beside, on_one_clock, sorted_out
+from mcsim.api.vibration import ONLY_OF_LOGS, FilterOptions, LogOptions, chain_of, engine_of
 from mcsim.errors import InputError
-from mcsim.logs.formats import open_log
-from mcsim.logs.model import ReadOptions
 from mcsim.provenance import provenance_of
 from mcsim.report import Report
-from mcsim.vibration.alignment import aligned, in_common
 from mcsim.vibration.comparison import Comparison, compare
 from mcsim.vibration.excitations.excitation import Tone
 from mcsim.vibration.filter_words import design, in_words
-from mcsim.vibration.log import Log, read_vibration_log
-from mcsim.vibration.platform import (
-    REFERENCE,
-    Seen,
-    from_log,
-    sensors_named,
-    simulate_seen,
-    true_one,
-    with_ideal,
-)
+from mcsim.vibration.platform import Seen
 from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
 
 if TYPE_CHECKING:
@@ -182,127 +171,43 @@ def compare_vibrations(
         A file that cannot be read, an unknown sensor, options that make no sense, or logs that
         do not show the same.
     """
-    paths = list(dict.fromkeys(map(Path, files)))
-    path = _only_scenario(paths)
-    logs = [p for p in paths if p != path]
-    held = _reference_file(reference, logs)
-    if held is not None and held not in logs:
-        logs.insert(0, held)
-    _refuse_nothing(path, logs, sensors)
-    scenario = read_vibration(path) if path is not None else None
+    given = sorted_out(files, sensors, reference)
+    if read and not given.logs:
+        raise InputError(ONLY_OF_LOGS)
+    scenario = read_vibration(given.scenario) if given.scenario is not None else None
     chain = chain_of(scenario.analysis if scenario else Chain(), filters or {})
-    seen = simulate_seen(path, sensors_named(sensors), tell) if path and sensors else []
-    simulated = tuple(one.name for one in seen)
-    # Read as they are; the scenario is laid beside them when their clocks agree.
-    read_logs = [from_log(_read(p, read or {})) for p in logs]
-    seen += read_logs
-    _refuse_twice(seen)
-    place = _place_of_reference(seen, reference, logs, held)
-    seen = _on_one_clock(seen, scenario, place, chain, align)
-    options = {"sensors": sensors, "reference": reference, **(filters or {}), **(seek or {})}
-    origin = provenance_of(
-        "vibration",
-        [p for p in (path, *logs) if p is not None],
-        {**options, **(read or {}), **({"align": True} if align else {})},
-        scenario.seed if scenario and simulated else None,
-    )
+    sought = _tones(scenario, seek or {})
+    seen, simulated = all_seen(given, read or {}, tell)
+    place = given.place_of_reference(seen)
+    seen = on_one_clock(seen, scenario, place, chain) if align else laid_beside(seen, scenario)
     found = compare(
         seen,
         chain,
         place,
-        _tones(scenario, seek or {}),
+        sought,
         scenario.excitation if scenario else None,
         scenario.duration if scenario else float("nan"),
     )
-    name = path.stem if path else seen[place or 0].name
-    title = (scenario.title if scenario else None) or name
+    options = {
+        "sensors": sensors,
+        "reference": given.reference.name if given.reference else reference,
+        "align": align or None,
+        **(filters or {}),
+        **(seek or {}),
+        **(read or {}),
+    }
+    seed = scenario.seed if scenario and simulated else None
+    name = given.scenario.stem if given.scenario else seen[place or 0].name
+    title = (scenario.title or name) if scenario else "One vibration"
     return SensorComparison(
-        f"{name}-sensors", title, found, scenario, _notes(seen), simulated, origin
+        name=f"{name}-sensors",
+        title=title,
+        found=found,
+        scenario=scenario,
+        notes=_notes(seen),
+        simulated=simulated,
+        origin=provenance_of("vibration", given.inputs, options, seed),
     )
-
-
-def _only_scenario(paths: Sequence[Path]) -> Path | None:
-    scenarios = [path for path in paths if is_scenario(path)]
-    if len(scenarios) > 1:
-        raise InputError(
-            f"{scenarios[1]}: a second scenario; sensors are compared on one vibration"
-        )
-    return scenarios[0] if scenarios else None
-
-
-def _reference_file(reference: str | None, logs: Sequence[Path]) -> Path | None:
-    """The log that the reference is, if it is one."""
-    if reference is None:
-        return None
-    named = [path for path in logs if reference in (str(path), path.name)]
-    if named:
-        return named[0]
-    path = Path(reference)
-    return path if path.is_file() and not is_scenario(path) else None
-
-
-def _refuse_nothing(path: Path | None, logs: Sequence[Path], sensors: str | None) -> None:
-    if sensors is not None and path is None:
-        raise InputError("--sensors belongs to a scenario; logs have their own sensors")
-    if not logs and sensors is None:
-        raise InputError(
-            "nothing to compare: give the scenario --sensors platform (or MPU-9250,BNO055), or "
-            "name logs, one per sensor"
-        )
-
-
-def _read(path: Path, read: LogOptions) -> Log:
-    """A log, with the one of the named channels that it holds."""
-    channels = read.get("channels", ())
-    if len(channels) > 1:
-        file = open_log(path, ReadOptions(topic=read.get("topic")))
-        held = tuple(c for c in channels if file.place_of(c) is not None)
-        chosen: Any = {**read, "channels": held or channels}
-        return read_vibration_log(path, **chosen)
-    return read_vibration_log(path, **read)
-
-
-def _refuse_twice(seen: Sequence[Seen]) -> None:
-    names = [one.name for one in seen]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(
-                f"{name}: two sensors of that name; rename one of the logs, or leave one out"
-            )
-
-
-def _place_of_reference(
-    seen: Sequence[Seen], reference: str | None, logs: Sequence[Path], held: Path | None
-) -> int | None:
-    names = [one.name.casefold() for one in seen]
-    if held is not None:
-        return len(seen) - len(logs) + list(logs).index(held)
-    if reference is None:
-        return names.index(REFERENCE.casefold()) if REFERENCE.casefold() in names else None
-    if reference.casefold() not in names:
-        raise InputError(
-            f'--reference "{reference}": neither a file nor one of the sensors '
-            f"({', '.join(one.name for one in seen)})"
-        )
-    return names.index(reference.casefold())
-
-
-def _on_one_clock(
-    seen: list[Seen],
-    scenario: VibrationScenario | None,
-    place: int | None,
-    chain: Chain,
-    align: bool,
-) -> list[Seen]:
-    if align and scenario is not None:
-        logs = [one for one in seen if one.ideal is None]
-        moved = iter(aligned(logs, true_one(scenario), chain))
-        seen = [next(moved) if one.ideal is None else one for one in seen]
-    elif align:
-        seen = in_common(aligned(seen, seen[place or 0], chain))
-    if scenario is None:
-        return seen
-    return [one if one.ideal is not None else with_ideal(one, scenario) for one in seen]
 
 
 def _tones(scenario: VibrationScenario | None, seek: SoughtTones) -> list[Tone]:

@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _SCENARIO_ENDINGS = (".yaml", ".yml")
+ONLY_OF_LOGS = (
+    "--rate, --time, --unit, --channel, --topic, --start and --end belong to a log, "
+    "not to a scenario"
+)
 #: More values take some seconds to analyse.
 _MANY = 500_000
 
@@ -137,10 +141,7 @@ def analyse_vibration(
     path, scenario = Path(file), None
     if is_scenario(path):
         if read:
-            raise InputError(
-                "--rate, --time, --unit, --channel, --topic, --start and --end belong to a log, "
-                "not to a scenario"
-            )
+            raise InputError(ONLY_OF_LOGS)
         scenario = read_vibration(path, sensor)
     chain = chain_of(scenario.analysis if scenario else Chain(), filters or {})
     engine = engine_of(rpm, cylinders, scenario)

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.errors import InputError
 from mcsim.vibration.excitations.excitation import Tone
 from mcsim.vibration.log import Log
-from mcsim.vibration.processing import Filters, filters
+from mcsim.vibration.processing import Filters, filters, refuse_long_average
 from mcsim.vibration.scenario import Chain
 from mcsim.vibration.spectra import (
     Spectrogram,
@@ -106,12 +105,7 @@ def analyse(
     InputError
         The moving average is longer than the log.
     """
-    if chain.moving_average > len(log.samples):
-        raise InputError(
-            f"{log.name}: a moving average of {chain.moving_average} samples is longer than the "
-            f"log ({len(log.samples)} samples); give a shorter one, or 0 for none "
-            "(--moving-average, `analysis.moving_average`)"
-        )
+    refuse_long_average(chain, log.name, len(log.samples))
     steps = filters(chain, log.rate)
     sought = _sought(engine, tones)
     raw: Array = log.samples - log.samples.mean(axis=0)

@@ -13,7 +13,7 @@ from mcsim.vibration.excitations import ExcitationBlock
 from mcsim.vibration.excitations.excitation import Tone
 from mcsim.vibration.filter_words import band
 from mcsim.vibration.platform import Seen
-from mcsim.vibration.processing import Filters, filters
+from mcsim.vibration.processing import Filters, filters, refuse_long_average
 from mcsim.vibration.response import half_power, responses
 from mcsim.vibration.scenario import Chain
 from mcsim.vibration.spectra import Spectrum, amplitude_spectrum, signal_to_noise
@@ -87,6 +87,11 @@ def compare(
         What to look for; without any, and without an excitation, the strongest one.
     excitation : ExcitationBlock, optional
         What is known to have shaken them, for ``duration`` (s).
+
+    Raises
+    ------
+    InputError
+        The moving average is longer than what one of them saw.
     """
     sensors = tuple(_filter(one, chain) for one in seen)
     sought = tuple(tones)
@@ -110,6 +115,7 @@ def compare(
 
 
 def _filter(seen: Seen, chain: Chain) -> Filtered:
+    refuse_long_average(chain, seen.name, len(seen.time))
     steps = filters(chain, seen.log.rate)
 
     def both(signal: Array) -> tuple[Array, Array]:

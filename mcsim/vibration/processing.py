@@ -10,6 +10,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import butter, detrend, sosfiltfilt, sosfreqz
 
+from mcsim.errors import InputError
 from mcsim.vibration.scenario import Chain
 
 Array = NDArray[np.float64]
@@ -76,6 +77,22 @@ class Filters:
                 response = sosfreqz(sections, worN=2.0 * np.pi * cycles)[1]
                 gain = gain * np.abs(response) ** 2
         return gain
+
+
+def refuse_long_average(chain: Chain, name: str, count: int) -> None:
+    """Refuse a moving average that is longer than a log of ``count`` samples.
+
+    Raises
+    ------
+    InputError
+        It is.
+    """
+    if chain.moving_average > count:
+        raise InputError(
+            f"{name}: a moving average of {chain.moving_average} samples is longer than the "
+            f"log ({count} samples); give a shorter one, or 0 for none "
+            "(--moving-average, `analysis.moving_average`)"
+        )
 
 
 def filters(chain: Chain, rate: float) -> Filters:

@@ -9,13 +9,14 @@ from typing import Annotated
 
 from mcsim.registry import Registry
 from mcsim.scenario.one_of import OneOf
-from mcsim.vibration.excitations import elevator, harmonic, sweep
+from mcsim.vibration.excitations import elevator, harmonic, rest, sweep
 from mcsim.vibration.excitations.excitation import Array, Excitation, ExcitationBlock
 
 __all__ = ["EXCITATIONS", "AnyExcitation", "Excitation", "ExcitationBlock", "acceleration"]
 
 EXCITATIONS: Registry[Excitation] = Registry(
-    "excitation", (harmonic.EXCITATION, sweep.EXCITATION, elevator.EXCITATION)
+    "excitation",
+    (harmonic.EXCITATION, sweep.EXCITATION, elevator.EXCITATION, rest.EXCITATION),
 )
 
 _ONE_OF_THEM = OneOf(EXCITATIONS)
