@@ -1,8 +1,8 @@
 """Where a recorded run rests and where it moves: stated, or found by a rule that is told.
 
 The rule: the record is still wherever means over a tenth of a second stay, for a whole stretch of
-some seconds, within eight standard deviations that such means have in the rest.  A shorter
-stretch without acceleration belongs to the motion: the vehicle drives at constant speed.
+some seconds, within ten standard deviations that such means have in the rest.  A shorter stretch
+without acceleration belongs to the motion: the vehicle drives at constant speed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 #: Length of the means (s, samples) and how many of their deviations a still stretch spans.
-MEAN_OF, _FEWEST, SPANS = 0.1, 5, 8.0
+MEAN_OF, _FEWEST, SPANS = 0.1, 5, 10.0
 #: A stretch is still when it lasts so long (s) unless told otherwise.
 STILL = 2.0
 #: Output that moves by less than this (g) has not moved; what other rests, and the first one, may
