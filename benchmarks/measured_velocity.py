@@ -66,11 +66,8 @@ _EXACT, _STAMPS = "tilt.order=exact", "sensor.time_errors=stamps"
 BENCHES = {
     "A1, intervals err": Bench("a1", (_EXACT,)),
     "A1, time stamps err": Bench("a1", (_EXACT, _STAMPS)),
-    "A1, level ground": Bench("a1", (_EXACT, "tilt.change=0 rad")),
     "A1, rest, motion found": Bench("a1", (_EXACT,), found=True),
-    "A1 at -7.6 °, Eq. (15)": Bench("a1"),
     "A2, intervals err": Bench("a2", (_EXACT,)),
-    "A2, time stamps err": Bench("a2", (_EXACT, _STAMPS)),
 }
 
 

@@ -46,8 +46,8 @@ if TYPE_CHECKING:
 _DRAWS = (200, 1_000_000)
 #: A velocity of so many uncertainties is none of standstill.
 _SURELY = 5.0
-#: Numbers (draws × steps) that may be kept.
-_MOST_KEPT = 200_000_000
+#: Numbers (draws × instants) that are kept, and (times runs) that are drawn, without being asked.
+_MOST_KEPT, _MOST_DRAWN = 40_000_000, 300_000_000
 
 
 @dataclass(frozen=True)
@@ -152,15 +152,15 @@ def velocity(
     ----------
     files : path or several
         Logs with time stamps and the raw axes x (forward), y and z (upward), each with the rest
-        before the motion: one run, runs that a column ``run`` tells apart, or runs with rests
-        between them.
+        before the motion: one run, runs that a column ``run`` tells apart, or as many as
+        ``motion`` says, with rests between them.
     calibration : path
         What ``mcsim.calibrate`` writes, or a velocity scenario, whose gravity and tilt count too.
     read : ReadOptions, optional
         How logs are read: ``columns``, ``units``, ``run_column``.
     motion : MotionOptions, optional
-        Where it begins and ends: ``rest``, ``duration``, ``still``, ``runs`` (how many are
-        expected), ``align``.
+        Where it begins and ends: ``rest``, ``duration``, ``still``, ``runs`` (how many
+        the files hold), ``align``.
     known : KnownOptions, optional
         ``gravity`` and ``gravity_uncertainty``; ``tilt_change``, or ``unevenness`` and
         ``axle_distance``; ``nonlinearity``; ``interval_uncertainty``, ``time_errors``;
@@ -197,14 +197,13 @@ def velocity(
     correction = read_correction(Path(calibration))
     others = [Path(f) for f in (reference or {}).get("files", ())]
     records, named = _recorded(paths, others, layout_of(read or {}, against), note)
-    # Several files are a run each, unless more runs are asked for.
-    single = named or motion.get("runs") == 1
-    single = single or (len(paths) > 1 and motion.get("runs") in (None, len(paths)))
+    # A file is one run, unless a column tells several apart, or more are asked for.
+    single = named or (motion.get("runs") or 0) <= len(paths)
     group = _group(records, single, motion, note)
     inputs = inputs_of(correction, known or {}, group.time_base, note)
     _doubt_small_angles(inputs, group, note)
     _check_rest(inputs.correction.row("z").value(group.rests), group)
-    draws, seed = _checked_draws(monte_carlo or {}, group)
+    draws, seed = _checked_draws(monte_carlo or {}, group, note)
     given = {**(read or {}), **motion, **(known or {}), **(reference or {})}
     options = {key: value for key, value in given.items() if value and key != "files"}
     inputs_read = [*paths, Path(calibration), *others]
@@ -259,8 +258,8 @@ def _group(
             runs.append(run_of(record, segment, name))
     if expected is not None and len(runs) != expected:
         raise InputError(
-            f"--runs {expected}: {len(runs)} are found; a drive at constant speed of more than "
-            f"{rule.still:g} s looks like a rest, and a shorter rest like a drive: set --still"
+            f"--runs {expected}: {len(runs)} found; a steady drive of more than {rule.still:g} s "
+            "looks like a rest, and a shorter rest like a drive: set --still"
         )
     group = group_of(runs, time_base([r.time for r in records]), motion.get("align", "auto"))
     for text in _said(group):
@@ -292,14 +291,15 @@ def _said(group: Group) -> list[str]:
 
 def _doubt_standstill(measurement: Measurement, note: Callable[[str], None]) -> None:
     """A motion between rests that were found should end at standstill."""
-    for name, run, u in zip(
-        measurement.group.names, measurement.runs, measurement.drawn.single, strict=True
-    ):
-        if abs(run[-1]) > _SURELY * u[-1]:
-            note(
-                f"{name}: ends at {run[-1]:.3g} m/s, not at standstill: if what was taken for a "
-                "rest is a drive at constant speed, raise --still, or state --rest and --duration"
-            )
+    ends, u = measurement.runs[:, -1], measurement.drawn.single[:, -1]
+    moving = np.flatnonzero(np.abs(ends) > _SURELY * u)
+    if len(moving):
+        first = int(moving[0])
+        note(
+            f"{len(moving)} of {len(ends)} motions do not end at standstill, the first of them "
+            f"({measurement.group.names[first]}) at {ends[first]:.3g} m/s: is a steady drive taken "
+            "for a rest? Raise --still, or give a column `run`"
+        )
 
 
 def _doubt_small_angles(inputs: Inputs, group: Group, note: Callable[[str], None]) -> None:
@@ -323,13 +323,22 @@ def _check_rest(vertical: Any, group: Group) -> None:
             )
 
 
-def _checked_draws(given: MonteCarloOptions, group: Group) -> tuple[int, int]:
-    draws, seed = given.get("draws", DRAWS), given.get("seed", 1)
+def _checked_draws(
+    given: MonteCarloOptions, group: Group, note: Callable[[str], None]
+) -> tuple[int, int]:
+    """Draws and seed; of long runs fewer draws are made unless more are asked for."""
+    steps = len(group.time)
+    most = min(_MOST_KEPT // steps, _MOST_DRAWN // (steps * group.runs))
+    draws, seed = given.get("draws"), given.get("seed", 1)
+    if draws is None:
+        draws = max(min(DRAWS, most), _DRAWS[0])
+        if draws < DRAWS:
+            note(f"{steps:,} instants of {group.runs} runs: {draws:,} draws by Monte Carlo")
     if not _DRAWS[0] <= draws <= _DRAWS[1]:
         raise InputError(f"--draws {draws}: must lie between {_DRAWS[0]} and {_DRAWS[1]:,}")
-    if draws * len(group.time) > _MOST_KEPT:
+    if draws * steps > 2 * _MOST_KEPT:
         raise InputError(
-            f"--draws {draws}: times {len(group.time):,} instants are more than mcsim can hold; "
-            f"give --draws {max(_DRAWS[0], _MOST_KEPT // len(group.time))}, or a shorter --duration"
+            f"--draws {draws}: of {steps:,} instants are more than mcsim can hold; lower it, or "
+            "give a shorter --duration"
         )
     return draws, seed

@@ -68,7 +68,7 @@ class ReferenceOptions(TypedDict, total=False):
 class MonteCarloOptions(TypedDict, total=False):
     """Of the Monte Carlo."""
 
-    draws: int
+    draws: int | None
     seed: int
 
 

@@ -39,7 +39,7 @@ class _Options(TypedDict):
     wheel_radius: str | None
     ticks_per_turn: float | None
     reference_uncertainty: str | None
-    draws: int
+    draws: int | None
     seed: int
     output: Path
     quiet: bool
@@ -56,7 +56,7 @@ class _Options(TypedDict):
 @click.option("--columns", help="What the columns are, as in mcsim characterise: accel_x=TITLE,….")
 @click.option("--units", help="Units of columns without one: accelerometer=g,time=ms.")
 @click.option("--run-column", help="Column that tells runs apart; `run` if there is one.")
-@click.option("--runs", type=click.IntRange(min=1), help="How many runs the files must hold.")
+@click.option("--runs", type=click.IntRange(min=1), help="How many runs the files hold.")
 @click.option("--rest", help="Rest before each motion, '10 s' or '1000 samples'; found if absent.")
 @click.option("--duration", help="Length of the motion, '1.5 s'; until it stays still if absent.")
 @click.option("--still", help="How long a rest lasts at least when it is found; 2 s if absent.")
@@ -100,7 +100,7 @@ class _Options(TypedDict):
 @click.option("--wheel-radius", help="Radius of the wheels, '0.1 m'.")
 @click.option("--ticks-per-turn", type=float, help="Of the wheels' encoders.")
 @click.option("--reference-uncertainty", help="Of the reference, '0.005 m/s' or '1 %'.")
-@click.option("--draws", type=int, default=10_000, show_default=True, help="Of the Monte Carlo.")
+@click.option("--draws", type=int, help="Of the Monte Carlo; 10,000 if absent, fewer of long runs.")
 @click.option(
     "--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Of the Monte Carlo."
 )
@@ -110,10 +110,10 @@ def velocity(files: tuple[Path, ...], **options: Unpack[_Options]) -> None:
     """Velocity of recorded runs with its uncertainty: correction, tilt, integration.
 
     FILES are logs of a tri-axial accelerometer (x forward, z upward) with time stamps and the rest
-    before each motion: a run in each, runs told apart by a column `run`, or runs with rests
-    between them.  Writes velocity.csv (v(t) of every run, their mean, s(v), uc by Eq. (30) and
-    (31)-(33), and Monte Carlo), budget.csv (the rows of Tables 3 and 4, averaged over the motion),
-    and figures; with a reference its errors too.
+    before each motion: a run in each, runs told apart by a column `run`, or as many as --runs
+    says, with rests between them.  Writes velocity.csv (v(t) of every run, their mean, s(v), uc by
+    Eq. (30) and (31)-(33), and Monte Carlo), budget.csv (the rows of Tables 3 and 4, averaged over
+    the motion), and figures; with a reference its errors too.
     """
     from mcsim.api.velocity import velocity as velocity_of
     from mcsim.text_table import frame_text

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 #: An interval this many times the usual one has lost samples, if it also leaves their scatter.
 _LOST, _OF_SCATTER = 1.8, 6.0
+#: So many samples of a rest, the last ones, tell the noise.
+_NOISE_FROM = 20_000
 #: Usual intervals of runs that are averaged sample by sample differ by no more than this part.
 _SAME_RATE = 0.02
 #: Below this lag-one correlation neighbouring intervals take back each other's errors.
@@ -137,20 +139,19 @@ def group_of(
     InputError
         No noise can be told from the rests.
     """
-    scatter = sample_scatter([run.rest for run in runs])
+    scatter = sample_scatter([run.rest[-_NOISE_FROM:] for run in runs])
     if scatter is None:
         raise InputError(f"{runs[0].name}: the rest has a single sample")
     lost = sum(run.lost for run in runs)
     by_samples = align == "samples" or (align == "auto" and lost == 0 and _alike(runs, base))
     n = min(len(run.raw) for run in runs)
-    time: Array
     if by_samples:
-        time = np.asarray(np.mean([run.time[: n + 1] for run in runs], axis=0), np.float64)
+        time = np.asarray(np.mean([run.time[: n + 1] for run in runs], axis=0), float)
         raw = np.array([run.raw[:n] for run in runs])
         intervals = np.array([np.diff(run.time[: n + 1]) for run in runs])
     else:
         n = int(min(run.time[-1] for run in runs) / base.interval * (1.0 + 1e-9))
-        time = np.arange(n + 1) * base.interval
+        time = np.asarray(np.arange(n + 1) * base.interval, float)
         raw = np.array([_resampled(run, time) for run in runs])
         intervals = np.broadcast_to(np.diff(time), raw.shape[:2])
     given = [run.reference for run in runs]

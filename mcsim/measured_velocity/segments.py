@@ -1,8 +1,8 @@
 """Where a recorded run rests and where it moves: stated, or found by a rule that is told.
 
 The rule: the record is still wherever means over a tenth of a second stay, for a whole stretch of
-some seconds, within eight standard deviations that such means have in the rest.  A shorter
-stretch without acceleration belongs to the motion: the vehicle drives at constant speed.
+some seconds, within ten standard deviations that such means have in the rest.  A shorter stretch
+without acceleration belongs to the motion: the vehicle drives at constant speed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 #: Length of the means (s, samples) and how many of their deviations a still stretch spans.
-MEAN_OF, _FEWEST, SPANS = 0.1, 5, 8.0
+MEAN_OF, _FEWEST, SPANS = 0.1, 5, 10.0
 #: A stretch is still when it lasts so long (s) unless told otherwise.
 STILL = 2.0
 #: Output that moves by less than this (g) has not moved; what other rests, and the first one, may
@@ -69,7 +69,7 @@ class Rule:
 def segments(record: RecordedRuns, rule: Rule, single: bool) -> tuple[list[Segment], str]:
     """The runs of a record, and how they were told, in words.
 
-    ``single`` says that the record is of one run.
+    ``single`` says that the record is of one run: steady stretches within are part of it.
 
     Raises
     ------
@@ -78,16 +78,17 @@ def segments(record: RecordedRuns, rule: Rule, single: bool) -> tuple[list[Segme
     """
     if rule.rest is None:
         found = _found(record, rule.still)
-        if single and len(found) > 1:
-            raise InputError(
-                f"{record.name}: {len(found)} motions with rests of {rule.still:g} s and more "
-                "between them, where one run is expected: raise --still beyond its longest drive "
-                "at constant speed, or state --rest and --duration"
-            )
         words = (
             f"rest and motion found: still where means over {MEAN_OF:g} s stay within "
             f"{SPANS:g} of their standard deviations for {rule.still:g} s or more"
         )
+        if single and len(found) > 1:
+            words += (
+                f"; {record.name} is one run, with {len(found) - 1} such stretches in it, at a "
+                "steady speed or acceleration (if these are rests between runs, say how many runs "
+                "there are, --runs)"
+            )
+            found = [Segment(0, found[0].start, found[-1].end)]
     else:
         start = rule.rest.until(record.time, 0)
         if not _LEAST_REST <= start < len(record.time) - 1:

@@ -36,6 +36,8 @@ from mcsim.systems.velocity.profiles.profile import LONGEST
 
 #: Rows of the source's budget tables.
 BUDGET_ROWS = 26
+#: Rows of a log of raw runs.
+_MOST_ROWS = 5_000_000
 #: Bounds of what a correction of a sensor that works may hold: factors, and biases (g).
 _LARGEST_FACTOR, _LARGEST_BIAS = 100.0, 1000.0
 #: Gravity (m/s²) from small bodies to large ones; accelerations in fractions of it stay finite.
@@ -338,6 +340,17 @@ class VelocityScenario(CaseScenario):
                     f"instants: {instant:g} s lies after the run, "
                     f"which lasts {self.trajectory.duration:g} s"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _raw_runs_fit(self) -> VelocityScenario:
+        run = self.trajectory
+        rows = self.runs * (run.rest + run.duration) * self.sensor.rate
+        if self.outputs.runs and rows > _MOST_ROWS:
+            raise reject(
+                f"outputs: raw runs would be {rows:,.0f} rows, more than {_MOST_ROWS:,}; shorten "
+                "`trajectory.rest`, lower `runs` or `sensor.rate`, or leave `runs` out"
+            )
         return self
 
     @property
