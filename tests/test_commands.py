@@ -14,7 +14,14 @@ from mcsim.cli.commands import COMMANDS
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
 from mcsim.figures import PICTURES
-from mcsim.papers import FIGURES, TABLES, allan_recovery, attitude_drift, repeated_runs, velocity_tables
+from mcsim.papers import (
+    FIGURES,
+    TABLES,
+    allan_recovery,
+    attitude_drift,
+    repeated_runs,
+    velocity_tables,
+)
 from mcsim.registry import Registry
 from mcsim.systems.velocity.raw_log import raw_log
 from tests.conftest import BASE_YAML
