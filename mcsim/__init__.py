@@ -24,7 +24,8 @@ Conventions (the whole package keeps them)
 * Time 0 is where the manoeuvre starts; sample 0, the known initial state, lies one
   lead before it.
 * Velocity case: sensor axes x forward, z up, so that a level sensor at rest reads
-  (0, 0, 1) in fractions of the local g; tilt is positive where gravity shows in +x.
+  (0, 0, 1) in fractions of the local g; tilt is positive where gravity shows in +x: nose up.
+  The truth is the velocity of the wheels; a sensor on a pitching body has a swing of its own.
   A group of runs is one turn-on: a rest, then its runs without a pause.  Offsets, scale
   factors and misalignment are drawn once for it; in-run noise starts with the rest and goes
   on through all its runs.  The error of a run is that of the first one.

@@ -14,7 +14,14 @@ from mcsim.cli.commands import COMMANDS
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
 from mcsim.figures import PICTURES
-from mcsim.papers import FIGURES, TABLES, allan_recovery, attitude_drift, velocity_tables
+from mcsim.papers import (
+    FIGURES,
+    TABLES,
+    allan_recovery,
+    attitude_drift,
+    repeated_runs,
+    velocity_tables,
+)
 from mcsim.registry import Registry
 from mcsim.systems.velocity.raw_log import raw_log
 from tests.conftest import BASE_YAML
@@ -116,6 +123,7 @@ def refuse_strays(folder):
 def quick(monkeypatch):
     """Tables that take seconds, made of less."""
     monkeypatch.setattr(velocity_tables, "GROUPS", 20)
+    monkeypatch.setattr(repeated_runs, "GROUPS", 200)
     monkeypatch.setattr(attitude_drift, "REALIZATIONS", 64)
     monkeypatch.setattr(attitude_drift, "TIMES", (10.0,))
     monkeypatch.setattr(allan_recovery, "SENSORS", ("MPU-9250",))

@@ -119,4 +119,4 @@ def _figure(folder: Path) -> list[Path]:
     return [folder / "figure.png"]
 
 
-FIGURE = PaperFigure(_SCENARIO, make=_figure, folder=_SCENARIO)
+FIGURE = PaperFigure(_SCENARIO, make=_figure, folder="braking-swing")
