@@ -87,8 +87,8 @@ def course_of_uncertainty(model: VelocityScenario, groups: int = GROUPS) -> Cour
     """
     if model.sensor.time.varies:
         raise InputError(
-            "sensor.time: a budget over time has even intervals, as Eq. (29) has; leave it out, and "
-            "say by `time_error` how they err"
+            "sensor.time: a budget over time has even intervals, as Eq. (29) has; leave it out, "
+            "and say by `time_error` how they err"
         )
     problem = VelocityProblem.from_model(model)
     key = point_key(model.monte_carlo, ())

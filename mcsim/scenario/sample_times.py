@@ -55,9 +55,7 @@ class SampleTimes(Block):
         if self.rate_error:
             raise reject("recorded `stamps` have the rate in them: leave out `rate_error`")
         if self.interval_jitter:
-            raise reject(
-                "recorded `stamps` have their jitter in them: leave out `interval_jitter`"
-            )
+            raise reject("recorded `stamps` have their jitter in them: leave out `interval_jitter`")
         return self
 
     @property

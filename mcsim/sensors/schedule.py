@@ -119,9 +119,7 @@ def _even(rate: float, rate_error: float, duration: float) -> Instants:
 
 
 @lru_cache(maxsize=64)
-def _recorded(
-    stamps: Stamps, rate: float, duration: float, folder: Path, block: str
-) -> Instants:
+def _recorded(stamps: Stamps, rate: float, duration: float, folder: Path, block: str) -> Instants:
     """Recorded stamps, as far as the drive goes."""
     path = folder / stamps.file
     stamped = read_stamps(path, stamps.column, f"{block}.time.stamps.column")

@@ -17,9 +17,7 @@ def planar_problem(model: PlanarScenario, folder: Path) -> PlanarProblem:
     InputError
         No such track, or one that is shorter than a sample or absurdly long.
     """
-    drive = driven(
-        model.trajectory, model.sensors, folder, model.reconstruction.intervals
-    )
+    drive = driven(model.trajectory, model.sensors, folder, model.reconstruction.intervals)
     return PlanarProblem(
         signals=drive.signals,
         sensor_errors=drive.sensor_errors,

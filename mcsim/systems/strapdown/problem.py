@@ -228,7 +228,9 @@ class StrapdownProblem(Reckoning):
         second_order = self.rule in ("trapezoidal", "two_sample")
         turns = [m.largest(self.signals, turn) for turn in strapdown.TURNS]
         return self.kernel(
-            way=0 if self._own else strapdown.way_of(self.rule, self.longest * float(np.linalg.norm(turns))),
+            way=0
+            if self._own
+            else strapdown.way_of(self.rule, self.longest * float(np.linalg.norm(turns))),
             interval=self.interval,
             gravity=self.gravity,
             previous_share=self.previous_share if second_order else 0.0,
