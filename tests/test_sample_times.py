@@ -143,16 +143,16 @@ def test_a_rule_keeps_its_order_with_steps_that_vary(tmp_path, rule, order):
 def test_a_rule_in_space_keeps_its_order_with_steps_that_vary(tmp_path, rule, order):
     def position(rate):
         squares = []
-        for seed in range(4):
+        for seed in range(10 if order > 1.0 else 4):
             own = {**EVERYTHING, **SMOOTH, **recorded(tmp_path, rate, seed=seed)}
             # A jump of the acceleration between samples would be of first order for any rule.
             own |= {"reconstruction.integration": rule, "trajectory.deceleration": "0 m/s^2"}
             squares.append(spatial_problem(own).method_errors()[3] ** 2)
         return np.sqrt(np.mean(squares))
 
-    rates = [50, 100, 200, 400]
+    rates = [50, 200, 800]
     slope = -np.polyfit(np.log(rates), np.log([position(rate) for rate in rates]), 1)[0]
-    assert slope == pytest.approx(order, abs=0.2)
+    assert slope == pytest.approx(order, abs=0.15)
 
 
 @pytest.mark.slow
@@ -373,9 +373,10 @@ def test_velocities_are_summed_over_recorded_intervals(tmp_path):
         sensed = p.raw - bias
         forward = np.cos(tilt) * (sensed @ lx) - np.sin(tilt) * (sensed @ lz)
         steps = np.diff(p.schedule.instants.true) if way is MEASURED else np.full(len(p.raw), 0.01)
-        velocity = 9.81213 * float(forward @ steps)
-        assert p.method_errors()[0] == pytest.approx(velocity - p.truth[-1], abs=1e-9)
-    assert len(p.raw) != 150  # as many as the stamps say
+        count = p.steps[-1]
+        velocity = 9.81213 * float(forward[:count] @ steps[:count])
+        assert p.method_errors()[-3] == pytest.approx(velocity - p.truth[count], abs=1e-9)
+    assert np.ptp(np.diff(p.schedule.instants.true)) > 0.004
 
 
 @pytest.mark.slow
