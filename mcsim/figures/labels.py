@@ -8,6 +8,9 @@ from mcsim.statistics import Statistic
 
 _WORDS = {
     "sensors.rate": "sampling rate",
+    "sensors.time.interval_jitter": "jitter of the samples",
+    "sensors.time.stamp_jitter": "jitter of the time stamps",
+    "reconstruction.intervals": "intervals",
     "trajectory.length": "track length L",
     "trajectory.width": "track width D",
     "trajectory.speed": "speed",

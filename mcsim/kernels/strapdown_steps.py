@@ -95,8 +95,10 @@ def _make_steps(increment_of, complete):
     def forward_euler_late(system, state, read):
         """The same with the sample before: the interval that it acts in ends with this one."""
         before = (state.forward, state.left, state.yaw, state.up, state.roll, state.pitch)
-        moved = forward_euler(system, _moving(state), (*before, read[6]))
-        return Remembering(*moved, *_last(state, read))
+        w, x, y, z, vl, vd, vh, pl, pd, ph = forward_euler(
+            system, _moving(state), (*before, read[6])
+        )
+        return Remembering(w, x, y, z, vl, vd, vh, pl, pd, ph, *_last(state, read))
 
     @scalar
     def trapezoidal(system, state, read):

@@ -47,6 +47,13 @@ def of_terms() -> Iterator[IdleKey]:
                 yield _off(element, term.inner.key, scale.name, key.name)
 
 
+def _is_even(model: Any) -> bool:
+    """Whether no sampling interval varies."""
+    sensors = getattr(model, "sensors", None) or getattr(model, "sensor", None)
+    times = getattr(sensors, "time", None)
+    return times is not None and not times.varies
+
+
 #: Keys of blocks that several cases have, beside those of sensor terms.
 COMMON: tuple[IdleKey, ...] = (
     IdleKey(
@@ -64,6 +71,12 @@ COMMON: tuple[IdleKey, ...] = (
         ("trajectory.side_slip", "trajectory.shape"),
         lambda model: getattr(getattr(model, "trajectory", None), "side_slip", None) == 0.0,
         "`trajectory.side_slip` is zero",
+    ),
+    IdleKey(
+        "reconstruction.intervals",
+        ("sensors.time", "sensor.time"),
+        _is_even,
+        "no sampling interval varies",
     ),
 )
 

@@ -37,9 +37,9 @@ def sample(signals: Signals, start: float, rate: float, count: int, method: str)
     Parameters
     ----------
     signals : callable
-        Times (k,) in s and a width (s), of all or of each, to channels (c, k): momentary values,
-        but the mean over the width where it holds a jump.  Defined beyond the track as well,
-        where it goes straight on: the filters look further than the leads reach.
+        Times (k,) in s and a width (s), of all or of each, to channels (c, k): momentary
+        values, but the mean over the width where it holds a jump.  Defined beyond the track as
+        well, where it goes straight on: the filters look further than the leads reach.
     start : float
         Time of sample 0 (s).
     rate : float
