@@ -101,7 +101,7 @@ class ChannelErrors:
         if not self.columns:
             return signals
         number = self.calibration + self.levelling + first + np.arange(len(signals))
-        times: Array = number * self.interval
+        times = np.asarray(number * self.interval, float)
         temperature = _temperatures(self.temperature, times)
         return np.column_stack(
             [signals, *(column.of(signals, temperature) for column in self.columns)]
@@ -236,7 +236,7 @@ def _mean_columns(
 ) -> Array:
     """Means (v,) of the columns of a sensor at rest between two times since it was switched on."""
     first, last = between
-    times: Array = first + (np.arange(_TIMES_AT_REST) + 0.5) * ((last - first) / _TIMES_AT_REST)
+    times = np.linspace(first, last, 2 * _TIMES_AT_REST + 1)[1::2]
     still = np.broadcast_to(at_rest, (len(times), len(at_rest)))
     degrees = _temperatures(temperature, times)
     return np.array([float(column.of(still, degrees).mean()) for column in columns])
