@@ -67,7 +67,10 @@ What the commands do:
 * ``read_parameters(file)``: ready parameters in any dialect, as a sensor file.
 * ``convert(sensor, to)``: a sensor in another noise dialect, as text.
 * ``convert_quantity("0.2 °/√h")``: a noise figure in all units and dialects.
+* ``allan``: ``plan``, ``curves``, ``from_density``, ``to_density``, ``deviations``, as in
+  ``mcsim allan``.
 * ``analyse_vibration(file)``: peaks, spectra and orders of a log, or of a simulated scenario.
+* ``velocity(files, calibration)``: recorded runs to v(t) of each, their mean and uc; m/s.
 * ``table(name)``: a printed table of a source beside what is computed.
 * ``validate(file)``, ``schema(kind)``: a scenario checked without a run; the JSON schema.
 
@@ -113,6 +116,7 @@ from mcsim.version import __version__
 if TYPE_CHECKING:
     from mcsim import dialects
     from mcsim.adding import add
+    from mcsim.api import allan
     from mcsim.api.budget import budget
     from mcsim.api.calibrate import calibrate
     from mcsim.api.characterise import characterise
@@ -120,6 +124,7 @@ if TYPE_CHECKING:
     from mcsim.api.linearity import linearity
     from mcsim.api.run import run
     from mcsim.api.scenario_files import schema, validate
+    from mcsim.api.velocity import velocity
     from mcsim.api.vibration import analyse_vibration
     from mcsim.cli.command import Command
     from mcsim.dialects import Dialect
@@ -185,6 +190,7 @@ __all__ = [
     "add",
     "add_rule",
     "algorithm",
+    "allan",
     "along",
     "analyse_vibration",
     "budget",
@@ -207,6 +213,7 @@ __all__ = [
     "schema",
     "table",
     "validate",
+    "velocity",
 ]
 
 #: Where public names are imported from when they are first used.
@@ -228,6 +235,7 @@ _WHERE = {
     "schema": "mcsim.api.scenario_files",
     "table": "mcsim.papers.table",
     "validate": "mcsim.api.scenario_files",
+    "velocity": "mcsim.api.velocity",
     # Parts of one's own.
     "Case": "mcsim.simulation.case",
     "Command": "mcsim.cli.command",
@@ -266,6 +274,7 @@ _WHERE = {
 }
 #: Modules that are public as a whole.
 _MODULES = {
+    "allan": "mcsim.api.allan",
     "curves": "mcsim.trajectory.curves",
     "dialects": "mcsim.dialects",
     "fields": "mcsim.scenario.fields",

@@ -21,6 +21,7 @@ from mcsim.scenario_file.effect import without_effect
 from mcsim.statistics import METHOD
 from mcsim.statistics.history import history_statistics
 from mcsim.sweep import SweepResult, check_points, describe_point
+from mcsim.systems import notes_of, raw_log_of
 from mcsim.tracks import drive_notes
 from mcsim.units import degrees
 from mcsim.version import __version__
@@ -54,6 +55,9 @@ class Results:
         Statistics of the errors at every sample, if the scenario asks for them.
     tracks : DataFrame or None
         Reconstructed sample tracks and the true one, if the scenario asks for them.
+    runs : DataFrame or None
+        Raw runs as the sensor would have recorded them, if the scenario asks for them; not read
+        back from a folder.
     """
 
     scenario: Scenario
@@ -62,6 +66,7 @@ class Results:
     budget: pd.DataFrame | None = None
     history: pd.DataFrame | None = None
     tracks: pd.DataFrame | None = None
+    runs: pd.DataFrame | None = None
 
     @property
     def remarks(self) -> list[str]:
@@ -85,6 +90,11 @@ def check(scenario: Scenario) -> None:
     counts = check_points(scenario)
     check_memory(scenario, counts)
     outputs = scenario.base.outputs
+    if scenario.axes and getattr(outputs, "runs", False):
+        raise InputError(
+            f"{scenario.document.place(('outputs', 'runs'))}: outputs.runs: raw runs are of one "
+            "point; remove the sweep, or leave them out"
+        )
     per_error = len(history_statistics())
     per_sample = outputs.tracks + outputs.history * len(scenario.base.ERRORS) * per_error
     rows = per_sample * sum(count + 1 for count in counts)
@@ -99,7 +109,8 @@ def check(scenario: Scenario) -> None:
 def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
     """Turn the points' results into tables."""
     first = getattr(scenario.points[0].model, "trajectory", None)
-    remarks = [*drive_notes(first, scenario.folder), *_remarks(scenario, sweep)]
+    told = notes_of(scenario.points[0].model, scenario.folder)
+    remarks = [*drive_notes(first, scenario.folder), *told, *_remarks(scenario, sweep)]
     history, tracks = over_time(scenario, sweep)
     return Results(
         scenario=scenario,
@@ -108,7 +119,16 @@ def assemble(scenario: Scenario, sweep: SweepResult, seconds: float) -> Results:
         budget=_budget(scenario, sweep),
         history=history,
         tracks=tracks,
+        runs=_runs(scenario),
     )
+
+
+def _runs(scenario: Scenario) -> pd.DataFrame | None:
+    """Raw runs of the one point of a scenario, if it asks for them."""
+    import pandas as pd
+
+    columns = None if scenario.axes else raw_log_of(scenario.base, scenario.folder)
+    return None if columns is None else pd.DataFrame(columns)
 
 
 def in_table_unit(name: str, value: Any) -> Any:

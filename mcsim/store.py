@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 TABLE = "table"
 #: Tables beside the main one.
 _EXTRA_TABLES = ("budget", "history", "tracks")
+#: Written, but not read back: a log for other commands.
+_LOG = "runs"
 #: Formats of a run's tables, and of those that are read, the quickest first.
 FORMATS = ("csv", "parquet")
 _READ = ("parquet", "csv")
@@ -48,13 +50,13 @@ def save(
     InputError
         The folder cannot be written.
     """
-    extras = {name: getattr(results, name) for name in _EXTRA_TABLES}
+    extras = {name: getattr(results, name) for name in (*_EXTRA_TABLES, _LOG)}
     kept = {name: table for name, table in extras.items() if table is not None}
     return Report(
         provenance=results.provenance,
         tables={TABLE: results.table, **kept},
         formats=formats,
-        obsolete=(*_EXTRA_TABLES, *pictures),
+        obsolete=(*_EXTRA_TABLES, _LOG, *pictures),
     ).write(folder)
 
 

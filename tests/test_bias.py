@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
+from mcsim.characterisation.autocorrelation import autocovariance
 from mcsim.characterisation.bias import (
     analyse_bias,
-    autocorrelation,
     best_mean_length,
     correlation_model,
     kalman_rmse,
@@ -108,7 +108,7 @@ def test_autocorrelation_is_numpys():
     values = np.random.default_rng(4).standard_normal(300)
     centred = values - values.mean()
     expected = np.correlate(centred, centred, "full")[299:] / 300
-    np.testing.assert_allclose(autocorrelation(values), expected, atol=1e-12)
+    np.testing.assert_allclose(autocovariance(values), expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("sensor", ["MTI-300", "LSM9DS1"])

@@ -72,8 +72,10 @@ def output(csv, tmp_path_factory):
 
 @pytest.mark.slow
 def test_all_files_are_written(output):
-    expected = ["allan.csv", "allan.png", "allan.svg", "provenance.json", "psd.csv", "psd.png"]
-    assert sorted(p.name for p in output.iterdir()) == [*expected, "psd.svg", "sensor.yaml"]
+    drawn = ("allan", "autocorrelation", "bias", "histogram", "psd")
+    expected = {f"{name}.{ending}" for name in drawn for ending in ("csv", "png", "svg")}
+    expected |= {"normality.csv", "provenance.json", "sensor.yaml"}
+    assert {p.name for p in output.iterdir()} == expected
 
 
 @pytest.mark.slow

@@ -14,8 +14,9 @@ from mcsim.cli.commands import COMMANDS
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
 from mcsim.figures import PICTURES
-from mcsim.papers import FIGURES, TABLES, velocity_tables
+from mcsim.papers import FIGURES, TABLES, allan_recovery, attitude_drift, velocity_tables
 from mcsim.registry import Registry
+from mcsim.systems.velocity.raw_log import raw_log
 from tests.conftest import BASE_YAML
 
 SCENARIOS = Path(__file__).parent.parent / "scenarios"
@@ -23,12 +24,14 @@ A1 = str(SCENARIOS / "velocity" / "a1.yaml")
 ENGINE = str(SCENARIOS / "vibration" / "engine.yaml")
 #: For each command that writes: its arguments, and the folder that it makes in that of results.
 WRITING = {
+    "allan": (["curves"], ""),
     "budget": ([A1], "a1-budget"),
     "calibrate": ([A1, "--samples", "20"], "a1-calibration"),
     "characterise": (["sensor.yaml"], ""),
     "figures": (["13"], "figure13"),
     "linearity": ([A1], "a1-linearity"),
     "run": (["case.yaml", "--realizations", "20"], "case"),
+    "velocity": (["runs.csv", "--calibration", A1, "--draws", "200"], "runs-velocity"),
     "vibration": ([ENGINE], "engine"),
 }
 SENSOR = "accelerometer: {velocity_random_walk: 0.1 m/s/√h}\n"
@@ -93,6 +96,8 @@ def test_every_folder_has_a_provenance(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("case.yaml").write_text(BASE_YAML)
     Path("sensor.yaml").write_text(SENSOR)
+    log = raw_log(mcsim.Scenario.from_yaml(A1, ["runs=2"]).base, SCENARIOS, 1)
+    pd.DataFrame(log).to_csv("runs.csv", index=False)
     arguments, folder = WRITING[name]
     assert exit_code([name, *arguments, "--quiet", "--output", "out"]) == 0
     assert capsys.readouterr().out == ""
@@ -111,6 +116,9 @@ def refuse_strays(folder):
 def quick(monkeypatch):
     """Tables that take seconds, made of less."""
     monkeypatch.setattr(velocity_tables, "GROUPS", 20)
+    monkeypatch.setattr(attitude_drift, "REALIZATIONS", 64)
+    monkeypatch.setattr(attitude_drift, "TIMES", (10.0,))
+    monkeypatch.setattr(allan_recovery, "SENSORS", ("MPU-9250",))
     course = gum.course_of_uncertainty
     monkeypatch.setattr(gum, "course_of_uncertainty", lambda model: course(model, groups=20))
 

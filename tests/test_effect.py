@@ -3,6 +3,7 @@
 import pytest
 
 from mcsim import Scenario, run
+from mcsim.papers.shipped import velocity_sensor
 from mcsim.scenario_file.effect import COMMON, of_terms, without_effect
 from mcsim.systems import SYSTEMS
 from tests import conftest, strapdown
@@ -16,6 +17,16 @@ RECORDED_ATTITUDE = {
                    "columns": {"time": "t in s", "x": "x in m", "y": "y in m",
                                "roll": "r in °", "pitch": "p in °"}},
 }  # fmt: skip
+
+
+class Velocity:
+    """A scenario of the velocity case with other values."""
+
+    @staticmethod
+    def scenario(values):
+        return velocity_sensor("a1", **values)[0]
+
+
 #: Where a key has no effect: the case, other values, and the key; then what makes it act.
 CASES = [
     (conftest, {}, "monte_carlo.max_realizations", 5000,
@@ -51,6 +62,8 @@ CASES = [
     (strapdown, RECORDED, "trajectory.pitch_positive", "nose_up", RECORDED_ATTITUDE),
     (conftest, RECORDED_ATTITUDE, "trajectory.columns.roll", "r in °", None),
     (conftest, RECORDED_ATTITUDE, "trajectory.columns.pitch", "p in °", None),
+    (Velocity, {}, "body.height", "0.1 m", {"body.pitch.gradient": "1 °/(m/s²)"}),
+    (Velocity, {}, "body.pitch.damping", "40 %", {"body.pitch.gradient": "1 °/(m/s²)"}),
     (conftest, {}, "sensors.gyroscope.misalignment", "1 °", None),
     (conftest, {}, "monte_carlo.common_random_numbers", True,
      {"sweep": {"sensors.rate": ["50 Hz", "100 Hz"]}}),

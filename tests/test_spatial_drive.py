@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from mcsim.errors import InputError
-from mcsim.systems.strapdown.lean import constant_lean, follower, oscillator
 from mcsim.systems.strapdown.truth import spatial_drive
 from mcsim.trajectory.attitude import euler_angles, rotation_matrix
+from mcsim.trajectory.lean import constant_lean, follower, oscillator
 from mcsim.units import STANDARD_GRAVITY as G
 from tests.strapdown import LEANING, problem, scenario
 

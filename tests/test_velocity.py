@@ -22,7 +22,7 @@ from mcsim.results import at_the_end
 from mcsim.simulation.running import adjoint_weights
 from mcsim.systems import problem_of
 from mcsim.systems.velocity.linear import accelerations
-from mcsim.systems.velocity.truth import run_motion, within_intervals
+from mcsim.systems.velocity.truth import true_run
 from tests.reference import velocity_numpy
 
 FOLDER = Path(__file__).parent.parent / "scenarios" / "velocity"
@@ -43,15 +43,15 @@ def problem(name="a1", **overrides):
 
 
 def test_the_run_is_a_trapezoid():
-    run = scenario().base.trajectory
+    run = true_run(scenario().base, FOLDER)
     t = np.linspace(0.0, 1.5, 15_001)
-    motion = run_motion(run, t)
+    motion = run.motion(t)
     assert motion.velocity[0] == 0.0
     assert motion.velocity[-1] == pytest.approx(0.0, abs=1e-12)
     assert motion.velocity.max() == pytest.approx(0.4)
     np.testing.assert_allclose(np.cumsum(motion.acceleration) * 1e-4, motion.velocity, atol=2.1e-4)
     assert set(np.round(motion.acceleration, 9)) == {-2.0, -1.0, 0.0, 1.0, 2.0}
-    within, weights = within_intervals(run, t[::150])
+    within, weights = run.within_intervals(t[::150])
     np.testing.assert_allclose(
         np.cumsum(within.acceleration @ weights) * 0.015, motion.velocity[150::150], atol=1e-12
     )

@@ -96,7 +96,8 @@ def budget(scenario: Scenario) -> UncertaintyBudget:
         Another case, a sweep, a single run, no block ``budget``, or a run that cannot be sampled.
     """
     model = check_budget(scenario)
-    return UncertaintyBudget(scenario, step_budget(model), course_of_uncertainty(model))
+    course = course_of_uncertainty(model, folder=scenario.folder)
+    return UncertaintyBudget(scenario, step_budget(model), course)
 
 
 def check_budget(scenario: Scenario) -> VelocityScenario:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
@@ -14,6 +15,15 @@ from mcsim.characterisation.analysis import Characterisation, Settings
 from mcsim.characterisation.analysis import characterise as analyse
 from mcsim.characterisation.bootstrap import largest_confidence
 from mcsim.characterisation.fit import Intervals
+from mcsim.characterisation.noise_view import (
+    ChannelView,
+    autocorrelation_table,
+    course_table,
+    histogram_table,
+    normality_table,
+    normality_words,
+    views,
+)
 from mcsim.characterisation.sensor_file import sensor_file
 from mcsim.characterisation.tables import allan_table, psd_table
 from mcsim.characterisation.verdict import verdict
@@ -71,20 +81,43 @@ class SensorCharacterisation(Found):
     @property
     def verdict(self) -> list[str]:
         """What the numbers say, sentence by sentence."""
-        return verdict(self.analysis)
+        return [*verdict(self.analysis), *normality_words(self.views)]
+
+    @cached_property
+    def views(self) -> tuple[ChannelView, ...]:
+        """Channel by channel: distribution of the noise, autocorrelation, course of the bias."""
+        return views(self.analysis)
 
     def report(self) -> Report:
-        """Files ``sensor.yaml``, ``allan`` and ``psd``."""
+        """Files ``sensor.yaml``, ``allan``, ``psd``, ``histogram``, ``bias`` and their kin."""
+        from mcsim.figures import noise
         from mcsim.figures.allan import draw_allan, draw_psd
         from mcsim.figures.style import printed
 
+        drawn = {
+            "allan": draw_allan(self.analysis),
+            "psd": draw_psd(self.analysis),
+            "histogram": noise.draw_histogram(self.analysis, self.views),
+            "autocorrelation": noise.draw_autocorrelation(self.analysis, self.views),
+            "bias": noise.draw_bias(self.analysis, self.views),
+        }
         return Report(
             provenance=self.origin,
-            tables={"allan": self.allan, "psd": self.psd},
-            pictures=printed(draw_allan(self.analysis), "allan")
-            | printed(draw_psd(self.analysis), "psd"),
+            tables={
+                "allan": self.allan,
+                "psd": self.psd,
+                "histogram": histogram_table(self.views),
+                "normality": normality_table(self.views),
+                "autocorrelation": autocorrelation_table(self.views),
+                "bias": course_table(self.views),
+            },
+            pictures={
+                file: write
+                for name, figure in drawn.items()
+                for file, write in printed(figure, name).items()
+            },
             texts={"sensor.yaml": self.sensor},
-            nine_digits=("psd",),
+            nine_digits=("psd", "histogram", "normality", "autocorrelation", "bias"),
         )
 
 

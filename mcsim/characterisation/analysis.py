@@ -21,6 +21,7 @@ from mcsim.characterisation.bias import BiasTracking, analyse_bias
 from mcsim.characterisation.findings import Inspection, check_length, inspect
 from mcsim.characterisation.fit import Intervals, NoiseFit, fit_noise
 from mcsim.characterisation.health import Finding
+from mcsim.characterisation.peak_rule import find_peak
 from mcsim.characterisation.spectrum import white_floor
 from mcsim.errors import InputError
 from mcsim.logs.model import ACCELEROMETER, AXES, GYROSCOPE, Channel, Log
@@ -190,6 +191,8 @@ def _of_fit(result: ChannelResult, duration: float) -> list[Finding]:
         found.append(Finding("bandwidth", name, text))
     if "R" in fit.coefficients:
         found.append(Finding("ramp", name, _ramp(result, duration)))
+    if fit.gauss_markov is not None:
+        found.append(Finding("peak", name, _peak(result)))
     slow = bias is not None and bias.model.correlation_time > _OWN_TIME * duration
     if bias is not None and slow and fit.gauss_markov is None:
         text = (
@@ -199,6 +202,25 @@ def _of_fit(result: ChannelResult, duration: float) -> list[Finding]:
         )
         found.append(Finding("bias", name, text))
     return found
+
+
+def _peak(result: ChannelResult) -> str:
+    """What the thesis' peak rule reads off the curve, beside the fitted process."""
+    from mcsim.characterisation.sensor_file import SAMPLE, written
+
+    process = result.fit.gauss_markov
+    assert process is not None
+    kind, unit = SAMPLE[result.channel.element]
+    fitted = f"{process.model.correlation_time:.3g} s"
+    peak = find_peak(result.fitted.tau, result.fitted.variance, result.fit["N"].value)
+    if peak is None:
+        return f"no peak stands out of the Allan deviation; the fit has a Tc of {fitted}"
+    return (
+        f"the Allan deviation less its white noise peaks at {peak.tau:.3g} s: by the peak rule "
+        f"(τ/1.89, σ/(0.437 √Tc)) Tc {peak.correlation_time:.3g} s and a deviation of "
+        f"{written(peak.model.deviation, unit, kind)}; by the fit {fitted} and "
+        f"{written(process.model.deviation, unit, kind)}"
+    )
 
 
 def _ramp(result: ChannelResult, duration: float) -> str:

@@ -30,6 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.characterisation.autocorrelation import autocovariance
 from mcsim.characterisation.process import GaussMarkov
 from mcsim.errors import InputError
 from mcsim.kernels.gauss_markov import track
@@ -84,16 +85,6 @@ def smooth(samples: Array, rate: float, length: float = SMOOTHING) -> SmoothedBi
     return SmoothedBias((total[starts + n] - total[starts]) / n, step / rate, n / rate)
 
 
-def autocorrelation(values: Array) -> Array:
-    """Biased autocorrelation (n,) of values without their mean; lag 0 first."""
-    from scipy.fft import irfft, next_fast_len, rfft
-
-    n = len(values)
-    length = next_fast_len(2 * n, real=True)
-    spectrum = rfft(values - values.mean(), length)
-    return irfft(np.abs(spectrum) ** 2, length)[:n] / n
-
-
 def correlation_model(bias: SmoothedBias, white: float = 0.0) -> GaussMarkov:
     """Gauss-Markov parameters of a smoothed bias: σ² at lag 0, Tc where it has fallen to 1/e.
 
@@ -108,7 +99,7 @@ def correlation_model(bias: SmoothedBias, white: float = 0.0) -> GaussMarkov:
     """
     if len(bias.values) * bias.interval < _FEWEST_LENGTHS * bias.length:
         raise InputError(f"the log is shorter than {_FEWEST_LENGTHS:.0f} averages of the bias")
-    correlation = autocorrelation(bias.values)
+    correlation = autocovariance(bias.values)
     lags = np.arange(len(correlation)) * bias.interval
     correlation = correlation - white**2 / bias.length * np.maximum(0.0, 1.0 - lags / bias.length)
     peak = float(correlation[0])

@@ -17,7 +17,12 @@ if TYPE_CHECKING:
     from mcsim.characterisation.fit import Intervals
 
 _PACKED = (".gz", ".xz", ".bz2", ".zst")
-_FILES = ("sensor.yaml", "allan.csv", "psd.csv", "allan.png", "allan.svg", "psd.png", "psd.svg")
+_PICTURES = ("allan", "psd", "histogram", "autocorrelation", "bias")
+_FILES = (
+    "sensor.yaml",
+    "normality.csv",
+    *(f"{name}.{ending}" for name in _PICTURES for ending in ("csv", "png", "svg")),
+)
 
 
 class _Options(TypedDict):
@@ -151,7 +156,7 @@ def _log(log: Path, folder: Path, options: _Options) -> None:
     tell("drawing")
     found.write(folder)
     if not options["quiet"]:
-        click.echo(_summary(found.analysis))
+        click.echo(_summary(found.analysis, found.verdict))
         click.echo(", ".join(str(folder / name) for name in _FILES))
 
 
@@ -185,9 +190,9 @@ def _parameters(log: Path, folder: Path, options: _Options) -> None:
         click.echo("\n".join([*notes, found.convention, str(folder / "sensor.yaml")]))
 
 
-def _summary(result: Characterisation) -> str:
+def _summary(result: Characterisation, verdict: list[str]) -> str:
     from mcsim.characterisation.sensor_file import KEYS, SAMPLE, written
-    from mcsim.characterisation.verdict import noise_density, number, verdict
+    from mcsim.characterisation.verdict import noise_density, number
     from mcsim.text_table import columns
 
     rows = [
@@ -223,7 +228,7 @@ def _summary(result: Characterisation) -> str:
         [
             *columns(rows),
             "",
-            *verdict(result),
+            *verdict,
             "",
             *(f"- {note}" for note in notes),
         ]

@@ -10,6 +10,7 @@ COMMANDS: Registry[Command] = Registry(
     later={
         name: f"mcsim.cli.{name}:COMMAND"
         for name in (
+            "allan",
             "budget",
             "calibrate",
             "characterise",
@@ -22,6 +23,7 @@ COMMANDS: Registry[Command] = Registry(
             "sensors",
             "table",
             "validate",
+            "velocity",
             "vibration",
         )
     },

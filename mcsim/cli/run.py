@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 class _Options(TypedDict):
     overrides: tuple[str, ...]
+    sweeps: tuple[str, ...]
+    as_map: bool
     seed: int | None
     realizations: int | None
     linear: bool
@@ -37,6 +39,14 @@ class _Options(TypedDict):
 @click.command()
 @SCENARIOS
 @SET
+@click.option(
+    "--sweep",
+    "sweeps",
+    multiple=True,
+    metavar="PATH=FROM..TO",
+    help="Sweep this instead of what the file sweeps: `sensors.rate=20..1000 Hz:9 log`, or a list.",
+)
+@click.option("--map", "as_map", is_flag=True, help="Also draw two swept values as a map.")
 @click.option("--seed", type=int, help="Seed of the random numbers.")
 @click.option("--realizations", type=int, help="Realizations per point.")
 @click.option("--linear", is_flag=True, help="The linear model's answer, at once.")
@@ -81,7 +91,8 @@ def run(scenarios: tuple[Path, ...], **options: Unpack[_Options]) -> None:
         )
         failures += results.failures
         if not options["quiet"]:
-            names = ["table.csv"] if options["no_figures"] else ["table.csv", "figure.png"]
+            pictures = [] if options["no_figures"] else _pictures(results)
+            names = ["table.csv", *pictures]
             _report(results, [options["output"] / scenario.name / name for name in names])
     raise_failures(failures)
 
@@ -91,8 +102,11 @@ COMMAND = Command("run", run)
 
 def _read(path: Path, options: _Options) -> Scenario:
     from mcsim.scenario_file import Scenario
+    from mcsim.scenario_file.sweeping import swept_anew
 
     scenario = Scenario.from_yaml(path, options["overrides"])
+    if options["sweeps"] or options["as_map"]:
+        scenario = swept_anew(scenario, options["sweeps"], options["as_map"])
     settings: dict[str, Any] = {}
     if options["seed"] is not None:
         settings["monte_carlo.seed"] = options["seed"]
@@ -120,6 +134,12 @@ def _tell_plans(scenarios: Sequence[Scenario]) -> None:
 def _leave_undrawn(results: Results, folder: Path) -> None:
     """Figures of an earlier run are gone: they would not belong to the tables."""
     del results, folder
+
+
+def _pictures(results: Results) -> list[str]:
+    from mcsim.figures import PICTURES
+
+    return [f"{p.name}.png" for p in PICTURES.values() if p.wants(results)]
 
 
 def _report(results: Results, files: Sequence[Path]) -> None:

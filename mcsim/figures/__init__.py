@@ -38,6 +38,7 @@ PICTURES: Registry[Picture] = Registry(
     "picture",
     later={
         "figure": "mcsim.figures.whole:PICTURE",
+        "map": "mcsim.figures.maps:PICTURE",
         "tracks": "mcsim.figures.tracks:PICTURE",
     },
 )

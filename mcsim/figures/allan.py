@@ -28,26 +28,27 @@ _VERDICT_SIGNS = 14.5  # characters of the verdict per inch
 def draw_allan(found: Characterisation) -> Figure:
     """A panel per channel: curve and interval, model, its slopes with numbers; the verdict."""
     with house_style():
-        figure, panels = _panels(found, verdict(found))
-        for result, axes in panels:
+        figure, shown = panels(found, verdict(found))
+        for result, axes in shown:
             _draw_curve(result, axes)
-        _legend(figure)
+        legend_of(figure)
     return figure
 
 
 def draw_psd(found: Characterisation) -> Figure:
     """A panel per channel: square root of the one-sided density, the model, the lines."""
     with house_style():
-        figure, panels = _panels(found, ["One-sided density: √2 N where the noise is white."])
-        for result, axes in panels:
+        figure, shown = panels(found, ["One-sided density: √2 N where the noise is white."])
+        for result, axes in shown:
             _draw_spectrum(result, axes)
-        _legend(figure)
+        legend_of(figure)
     return figure
 
 
-def _panels(
+def panels(
     found: Characterisation, sentences: list[str]
 ) -> tuple[Figure, list[tuple[ChannelResult, Axes]]]:
+    """A panel per channel, elements one above the other, under the log's name and sentences."""
     rows = [results for element in SAMPLE if (results := found.of(element))]
     columns = max(map(len, rows))
     width = max(_WIDTH * columns, 6.4)
@@ -76,13 +77,14 @@ def _panels(
     return figure, pairs
 
 
-def _scale(result: ChannelResult) -> tuple[Callable[[float], float], str]:
+def scale(result: ChannelResult) -> tuple[Callable[[float], float], str]:
+    """What makes a channel's SI values those of the unit that figures show, and that unit."""
     kind, unit = SAMPLE[result.channel.element]
     return (lambda value: in_unit(value, unit, KINDS[kind])), unit
 
 
 def _draw_curve(result: ChannelResult, axes: Axes) -> None:
-    convert, unit = _scale(result)
+    convert, unit = scale(result)
     one = convert(1.0)
     curve, fit = result.curve, result.fit
     tau, deviation = curve.tau, curve.deviation * one
@@ -132,7 +134,7 @@ def _numbers(result: ChannelResult, axes: Axes) -> None:
     lines = [f"{term} {number(fit, element, term)}" for term in ("N", *slow)]
     lines.insert(1, f"   = {noise_density(result)} one-sided")
     if process is not None:
-        convert, unit = _scale(result)
+        convert, unit = scale(result)
         model = process.model
         lines.append(
             f"Gauss-Markov bias: {convert(model.deviation):.3g} {unit}, "
@@ -143,7 +145,7 @@ def _numbers(result: ChannelResult, axes: Axes) -> None:
     if "R" in fit.coefficients:
         lines.append(f"R {ramp(element, fit['R']).split(' (')[0]}")
     if result.inspection.warm_up is not None:
-        convert, unit = _scale(result)
+        convert, unit = scale(result)
         warm_up = result.inspection.warm_up
         lines.append(
             f"warm-up of {convert(-warm_up.size):.3g} {unit} in {warm_up.time:.3g} s left out"
@@ -152,7 +154,7 @@ def _numbers(result: ChannelResult, axes: Axes) -> None:
 
 
 def _draw_spectrum(result: ChannelResult, axes: Axes) -> None:
-    convert, unit = _scale(result)
+    convert, unit = scale(result)
     one = convert(1.0)
     frequency, density, _ = binned(result.inspection.spectrum, 60)
     axes.plot(frequency, np.sqrt(density) * one, color=_DATA, lw=0.9, label="density")
@@ -179,7 +181,7 @@ def _draw_spectrum(result: ChannelResult, axes: Axes) -> None:
     axes.set(xlabel="frequency [Hz]", ylabel=f"{result.channel.name} [{unit}/√Hz]")
 
 
-def _legend(figure: Figure) -> None:
+def legend_of(figure: Figure) -> None:
     """One legend for all panels: a term that only some of them show is in it once."""
     found: dict[str, Artist] = {}
     for axes in figure.axes:

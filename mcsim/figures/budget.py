@@ -65,13 +65,19 @@ def draw_comparison(course: Course, title: str) -> Figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
         run, mean = "one run", f"mean of {course.runs}"
         left.plot(course.time, course.summed_total, color=_SUMMED, label=f"Eq. (30), {run}")
-        left.plot(
-            course.time, course.summed_mean, color=_SUMMED, ls="--", label=f"Eq. (31), {mean}"
-        )
+        if course.runs > 1:
+            left.plot(
+                course.time, course.summed_mean, color=_SUMMED, ls="--", label=f"Eq. (31), {mean}"
+            )
         left.plot(course.time, course.total, color=_SIMULATED, label=f"Monte Carlo, {run}")
-        left.plot(
-            course.time, course.total_mean, color=_SIMULATED, ls="--", label=f"Monte Carlo, {mean}"
-        )
+        if course.runs > 1:
+            left.plot(
+                course.time,
+                course.total_mean,
+                color=_SIMULATED,
+                ls="--",
+                label=f"Monte Carlo, {mean}",
+            )
         left.set_xlabel("time after the start [s]")
         left.set_ylabel("standard uncertainty of the velocity [m/s]")
         left.set_ylim(bottom=0.0)

@@ -341,16 +341,12 @@ def _draw_zeros(axes: Axes, x_axis: Axis, rows: pd.DataFrame, colour: Any) -> No
 def _positions(x_axis: Axis, rows: pd.DataFrame) -> Any:
     """Where the rows stand horizontally; names stand at 0, 1, 2 …"""
     x = rows[x_axis.column]
-    return x if _is_numeric(x_axis) else [x_axis.values.index(v) for v in x]
-
-
-def _is_numeric(axis: Axis) -> bool:
-    return all(isinstance(v, int | float) and not isinstance(v, bool) for v in axis.values)
+    return x if x_axis.numeric else [x_axis.values.index(v) for v in x]
 
 
 def _scale(axes: Axes, x_axis: Axis, values: Any, log: bool) -> None:
     """Logarithmic axes where the range spans decades; names on the ticks of plain values."""
-    if not _is_numeric(x_axis):
+    if not x_axis.numeric:
         axes.set_xticks(range(len(x_axis.values)), [str(v) for v in x_axis.values])
     else:
         x = [float(v) for v in x_axis.values]

@@ -8,7 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from mcsim.errors import InputError
-from mcsim.gum.propagation import AXES, Correction, step_sensitivities, tilt_sensitivities
+from mcsim.gum.propagation import (
+    AXES,
+    Array,
+    Correction,
+    Known,
+    step_sensitivities,
+    tilt_sensitivities,
+)
 from mcsim.systems.velocity.raw_output import raw_noise
 from mcsim.systems.velocity.scenario import VelocityScenario
 
@@ -64,6 +71,23 @@ def correction(model: VelocityScenario, axis: str) -> Correction:
     )
 
 
+@dataclass(frozen=True)
+class StepPoint:
+    """Where the budget of a step is evaluated: estimates with standard uncertainties.
+
+    ``raw`` (3,) is the output am, with the uncertainty ``known.noise``; ``rest_x`` and ``rest_z``
+    are acx,0 and acz,0 (fractions of g), ``interval`` is Δt (s); ``printed`` are the variances that
+    a publication has for the rows.
+    """
+
+    known: Known
+    raw: Array
+    rest_x: tuple[float, float]
+    rest_z: tuple[float, float]
+    interval: float
+    printed: tuple[float, ...] | None = None
+
+
 def step_budget(model: VelocityScenario) -> Budget:
     """The budget where the scenario's ``budget`` block says.
 
@@ -79,15 +103,41 @@ def step_budget(model: VelocityScenario) -> Budget:
             "`budget: {output: {x: …, y: …, z: …}, rest_x: {estimate: …, uncertainty: …}, "
             "rest_z: {…}}`"
         )
-    raw, noise = np.array([point.output.x, point.output.y, point.output.z]), raw_noise(model)
+    return budget_at(
+        StepPoint(
+            known=known_of(model),
+            raw=np.array([point.output.x, point.output.y, point.output.z]),
+            rest_x=(point.rest_x.estimate, point.rest_x.uncertainty),
+            rest_z=(point.rest_z.estimate, point.rest_z.uncertainty),
+            interval=point.interval or 1.0 / model.sensor.rate,
+            printed=point.printed,
+        )
+    )
+
+
+def known_of(model: VelocityScenario) -> Known:
+    """What a scenario says of its steps."""
+    return Known(
+        x=correction(model, "x"),
+        z=correction(model, "z"),
+        noise=raw_noise(model),
+        tilt_change=model.tilt.change,
+        gravity=model.gravity.local_gravity,
+        gravity_error=model.gravity.uncertainty,
+        interval_error=model.sensor.time_error,
+    )
+
+
+def budget_at(point: StepPoint) -> Budget:
+    """The 26 rows of Tables 3 and 4, Eq. (25) to (29)."""
+    known, raw = point.known, point.raw
     quantities: list[tuple[str, float, float, str, float]] = []
     corrected, combined = {}, {}
-    for axis, equation in (("x", "(4)"), ("z", "(5)")):
-        own = correction(model, axis)
+    for axis, own, equation in (("x", known.x, "(4)"), ("z", known.z, "(5)")):
         by_factor, by_raw, by_bias = own.sensitivities(raw)
         for names, values, deviations, slopes in (
             ([f"l{axis}{k}" for k in AXES], own.factors, own.u_factors, by_factor),
-            ([f"am{k}" for k in AXES], raw, noise, by_raw),
+            ([f"am{k}" for k in AXES], raw, known.noise, by_raw),
             ([f"B{k}" for k in AXES], own.bias, own.u_bias, by_bias),
         ):
             quantities += [
@@ -95,22 +145,12 @@ def step_budget(model: VelocityScenario) -> Budget:
                 for name, value, u, slope in zip(names, values, deviations, slopes, strict=True)
             ]
         corrected[axis] = float(own.value(raw))
-        combined[axis] = math.sqrt(sum(float(v) for v in own.variances(raw, noise).values()))
-
-    rest_x, rest_z = point.rest_x, point.rest_z
-    by_x, by_z = tilt_sensitivities(rest_x.estimate, rest_z.estimate)
-    change = model.tilt.change
-    theta = math.atan(rest_x.estimate / rest_z.estimate)
-    u_theta = math.sqrt(
-        change**2 + (by_x * rest_x.uncertainty) ** 2 + (by_z * rest_z.uncertainty) ** 2
-    )
-    quantities += [
-        ("δα", 0.0, change, "(19)", 1.0),
-        ("acx,0", rest_x.estimate, rest_x.uncertainty, "(19)", by_x),
-        ("acz,0", rest_z.estimate, rest_z.uncertainty, "(19)", by_z),
-    ]
-    g, interval = model.gravity, point.interval or 1.0 / model.sensor.rate
-    slopes_of_step = step_sensitivities(corrected["x"], corrected["z"], theta, g.estimate, interval)
+        variances = own.variances(raw, known.noise)
+        combined[axis] = math.sqrt(sum(float(v) for v in variances.values()))
+    theta, u_theta, rows = _tilt_rows(point)
+    quantities += rows
+    g, interval = known.gravity, point.interval
+    slopes_of_step = step_sensitivities(corrected["x"], corrected["z"], theta, g, interval)
     quantities += [
         (name, value, u, "(24)", float(slope))
         for (name, value, u), slope in zip(
@@ -118,8 +158,8 @@ def step_budget(model: VelocityScenario) -> Budget:
                 ("acx", corrected["x"], combined["x"]),
                 ("acz", corrected["z"], combined["z"]),
                 ("θ", theta, u_theta),
-                ("g", g.estimate, g.uncertainty),
-                ("Δt", interval, model.sensor.time_error),
+                ("g", g, known.gravity_error),
+                ("Δt", interval, known.interval_error),
             ),
             slopes_of_step,
             strict=True,
@@ -135,6 +175,23 @@ def step_budget(model: VelocityScenario) -> Budget:
             "acx": corrected["x"],
             "acz": corrected["z"],
             "theta": theta,
-            "Dv": (corrected["x"] - corrected["z"] * theta) * g.estimate * interval,
+            "Dv": (corrected["x"] - corrected["z"] * theta) * g * interval,
         },
+    )
+
+
+def _tilt_rows(point: StepPoint) -> tuple[float, float, list[tuple[str, float, float, str, float]]]:
+    """The tilt with its uncertainty, Eq. (20) and (28), and its three rows."""
+    (rest_x, u_x), (rest_z, u_z), change = point.rest_x, point.rest_z, point.known.tilt_change
+    by_x, by_z = tilt_sensitivities(rest_x, rest_z)
+    theta = math.atan(rest_x / rest_z)
+    u_theta = math.sqrt(change**2 + (by_x * u_x) ** 2 + (by_z * u_z) ** 2)
+    return (
+        theta,
+        u_theta,
+        [
+            ("δα", 0.0, change, "(19)", 1.0),
+            ("acx,0", rest_x, u_x, "(19)", by_x),
+            ("acz,0", rest_z, u_z, "(19)", by_z),
+        ],
     )

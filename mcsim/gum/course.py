@@ -4,33 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsim.engine import point_key
 from mcsim.estimation import LOOKED_AT, limit_texts
-from mcsim.gum.budget import correction
-from mcsim.gum.propagation import step_sensitivities, tilt_sensitivities
+from mcsim.gum.budget import known_of
+from mcsim.gum.propagation import step_variances, summed
 from mcsim.systems.velocity.linear import calibration_pushes
 from mcsim.systems.velocity.problem import VelocityProblem
-from mcsim.systems.velocity.raw_output import raw_noise
 from mcsim.systems.velocity.scenario import VelocityScenario
+from mcsim.systems.velocity.sources import SENSOR_TERMS, acting_alone
 
 Array = NDArray[np.float64]
 
 #: Sources of uncertainty, as the comparison tells them apart.
 SOURCES = ("calibration matrix", "zero bias", "noise", "tilt change", "gravity", "time base")
-#: What each source is among the kernel's inputs of a group.
-_GROUP_INPUTS = {
-    "calibration matrix": slice(0, 6),
-    "zero bias": slice(6, 9),
-    "noise": slice(9, 12),
-    "tilt change": slice(12, 13),
-    "gravity": slice(13, 14),
-}
-#: What Monte Carlo has beyond them: the accelerometer's error terms that are not white noise.
-SENSOR_TERMS = "accelerometer terms"
 #: Groups simulated for the comparison.
 GROUPS = 10_000
 
@@ -47,7 +38,8 @@ class Course:
     (``stamps`` or independent intervals).  ``by_acceleration`` is what the errors of the
     calibration would make of the velocity if they entered the acceleration alone, and not the
     initial tilt as well (to first order).  ``limits`` are the bounds of the sensor and of the model
-    that the run reaches.
+    that the run reaches.  Of ``measured`` runs ``truth`` is their mean, ``scatter`` theirs, and
+    ``other_scatter`` what noise and time base alone would make; a single one has nan for both.
     """
 
     time: Array
@@ -64,6 +56,7 @@ class Course:
     by_acceleration: Array
     sensor_terms: tuple[str, ...] = ()
     limits: tuple[str, ...] = ()
+    measured: bool = False
 
     @property
     def summed_total(self) -> Array:
@@ -76,26 +69,32 @@ class Course:
         return self.total**2 - np.sum([u**2 for u in self.simulated.values()], axis=0)
 
 
-def course_of_uncertainty(model: VelocityScenario, groups: int = GROUPS) -> Course:
+def course_of_uncertainty(
+    model: VelocityScenario, groups: int = GROUPS, folder: Path = Path()
+) -> Course:
     """Propagate the scenario's uncertainties over its run, in both ways.
+
+    ``folder`` is where recorded files lie.
 
     Raises
     ------
     InputError
         The run cannot be sampled.
     """
-    problem = VelocityProblem.from_model(model)
+    problem = VelocityProblem.from_model(model, folder)
     key = point_key(model.monte_carlo, ())
-    summed, without_noise = _summed(model, problem)
+    by_sums, without_noise = _summed(model, problem)
     total, total_mean, scatter = _deviations(problem, key, groups)
     terms = _sensor_terms(problem)
     sources = (*SOURCES, SENSOR_TERMS) if terms else SOURCES
-    simulated = {source: _deviations(_only(problem, source), key, groups)[0] for source in sources}
+    simulated = {
+        source: _deviations(acting_alone(problem, source), key, groups)[0] for source in sources
+    }
     return Course(
         time=np.round(np.arange(len(problem.truth)) * problem.interval, 12),
         truth=problem.truth,
         runs=model.runs,
-        summed=summed,
+        summed=by_sums,
         summed_mean=np.sqrt(without_noise + scatter**2 / model.runs),
         simulated=simulated,
         total=total,
@@ -120,36 +119,9 @@ def _sensor_terms(problem: VelocityProblem) -> tuple[str, ...]:
 
 
 def _summed(model: VelocityScenario, problem: VelocityProblem) -> tuple[dict[str, Array], Array]:
-    """Eq. (30) by source, and the sum of Eq. (31) that leaves out the raw output's noise.
-
-    At rest the raw output enters with the uncertainty of a single sample, as in the source.
-    """
-    g, interval = model.gravity, problem.interval
-    noise = raw_noise(model)
-    x, z = correction(model, "x"), correction(model, "z")
-    rest = problem.inputs[9:12]
-    by_rest_x, by_rest_z = tilt_sensitivities(x.value(rest), z.value(rest))
-    theta = np.arctan(x.value(rest) / z.value(rest))
-    acx, acz = x.value(problem.raw), z.value(problem.raw)
-    by_x, by_z, by_theta, by_g, by_interval = step_sensitivities(
-        acx, acz, theta, g.estimate, interval
-    )
-    of_x, of_z = x.variances(problem.raw, noise), z.variances(problem.raw, noise)
-    of_rest_x, of_rest_z = x.variances(rest, noise), z.variances(rest, noise)
-    steps = {
-        source: by_x**2 * of_x[source]
-        + by_z**2 * of_z[source]
-        + by_theta**2 * (by_rest_x**2 * of_rest_x[source] + by_rest_z**2 * of_rest_z[source])
-        for source in of_x
-    }
-    steps["tilt change"] = by_theta**2 * model.tilt.change**2 * np.ones_like(acx)
-    steps["gravity"] = by_g**2 * g.uncertainty**2
-    steps["time base"] = by_interval**2 * model.sensor.time_error**2
-    sums = {source: np.append(0.0, np.cumsum(steps[source])) for source in SOURCES}
-    return (
-        {source: np.sqrt(variance) for source, variance in sums.items()},
-        np.sum([variance for source, variance in sums.items() if source != "noise"], axis=0),
-    )
+    """Eq. (30) by source, and the sum of Eq. (31) that leaves out the raw output's noise."""
+    known = known_of(model)
+    return summed(step_variances(known, problem.raw, problem.inputs[9:12], problem.interval))
 
 
 def _by_acceleration(problem: VelocityProblem) -> Array:
@@ -157,24 +129,6 @@ def _by_acceleration(problem: VelocityProblem) -> Array:
     pushes = calibration_pushes(problem.raw, problem.inputs, problem.tilt_order)
     velocity = problem.interval * np.cumsum(pushes, axis=0) * problem.uncertainties[:9]
     return np.append(0.0, np.sqrt(np.sum(velocity**2, axis=1)))
-
-
-def _only(problem: VelocityProblem, source: str) -> VelocityProblem:
-    """The problem with one source of uncertainty alone."""
-    alone = np.zeros_like(problem.uncertainties)
-    if source in _GROUP_INPUTS:
-        alone[_GROUP_INPUTS[source]] = problem.uncertainties[_GROUP_INPUTS[source]]
-    errors = problem.sensor_errors
-    if source == SENSOR_TERMS:
-        errors = replace(errors, white=np.zeros_like(errors.white))
-    else:
-        errors = errors.white_alone() if source == "noise" else errors.silent()
-    return replace(
-        problem,
-        uncertainties=alone,
-        sensor_errors=errors,
-        time_error=problem.time_error if source == "time base" else 0.0,
-    )
 
 
 def _deviations(problem: VelocityProblem, key: int, groups: int) -> tuple[Array, Array, Array]:

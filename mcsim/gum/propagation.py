@@ -1,4 +1,4 @@
-"""The law of propagation for one step of the velocity measurement, Eq. (25) to (29).
+"""The law of propagation for the steps of the velocity measurement, Eq. (25) to (29).
 
 Functions take arrays over steps, or single numbers, and return variances by input.
 """
@@ -51,7 +51,7 @@ def tilt_sensitivities(rest_x: Any, rest_z: Any) -> tuple[Any, Any]:
 
 
 def step_sensitivities(
-    acx: Any, acz: Any, theta: Any, g: float, interval: float
+    acx: Any, acz: Any, theta: Any, g: float, interval: Any
 ) -> tuple[Any, Any, Any, Any, Any]:
     """Derivatives of Dv with respect to acx, acz, theta, g and the interval, Eq. (29)."""
     tilted = acx - acz * theta
@@ -61,4 +61,57 @@ def step_sensitivities(
         -acz * g * interval,
         tilted * interval,
         tilted * g,
+    )
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the steps of a run share, with standard uncertainties; see Eq. (26) to (29).
+
+    ``noise`` (3,) is u(am) of one raw sample, ``tilt_change`` u(δα) (rad), ``gravity`` (m/s²) and
+    ``interval_error`` u(Δt) (s).
+    """
+
+    x: Correction
+    z: Correction
+    noise: Array
+    tilt_change: float
+    gravity: float
+    gravity_error: float
+    interval_error: float
+
+
+def step_variances(known: Known, raw: Array, rest: Array, interval: Any) -> dict[str, Array]:
+    """Variances u²(Dv) (n,) of steps by source, Eq. (29) with (26) to (28) for its parts.
+
+    ``raw`` (n, 3) is the output at the steps, ``rest`` (3,) at rest, ``interval`` one or (n,) in s.
+    At rest the raw output enters with the uncertainty of a single sample, as in the source.
+    """
+    x, z, noise = known.x, known.z, known.noise
+    by_rest_x, by_rest_z = tilt_sensitivities(x.value(rest), z.value(rest))
+    theta = np.arctan(x.value(rest) / z.value(rest))
+    acx, acz = x.value(raw), z.value(raw)
+    by_x, by_z, by_theta, by_g, by_interval = step_sensitivities(
+        acx, acz, theta, known.gravity, interval
+    )
+    of_x, of_z = x.variances(raw, noise), z.variances(raw, noise)
+    of_rest_x, of_rest_z = x.variances(rest, noise), z.variances(rest, noise)
+    steps = {
+        source: by_x**2 * of_x[source]
+        + by_z**2 * of_z[source]
+        + by_theta**2 * (by_rest_x**2 * of_rest_x[source] + by_rest_z**2 * of_rest_z[source])
+        for source in of_x
+    }
+    steps["tilt change"] = by_theta**2 * known.tilt_change**2 * np.ones_like(acx)
+    steps["gravity"] = by_g**2 * known.gravity_error**2
+    steps["time base"] = by_interval**2 * known.interval_error**2
+    return steps
+
+
+def summed(steps: Mapping[str, Array]) -> tuple[dict[str, Array], Array]:
+    """Eq. (30) by source (n + 1,), and the variance of Eq. (31) without the raw output's noise."""
+    sums = {source: np.append(0.0, np.cumsum(variance)) for source, variance in steps.items()}
+    return (
+        {source: np.sqrt(variance) for source, variance in sums.items()},
+        np.sum([variance for source, variance in sums.items() if source != "noise"], axis=0),
     )

@@ -54,10 +54,9 @@ def budget_table(budget: Budget, course: Course) -> pd.DataFrame:
         for name, equation in names.items()
     ]
     end = float(course.truth[-1])
-    totals += [
-        ("uc(vX,N)", end, float(course.summed_total[-1]), "(30)"),
-        ("uc(mean vX,N)", end, float(course.summed_mean[-1]), "(31)"),
-    ]
+    totals.append(("uc(vX,N)", end, float(course.summed_total[-1]), "(30)"))
+    if course.runs > 1:
+        totals.append(("uc(mean vX,N)", end, float(course.summed_mean[-1]), "(31)"))
     nothing = math.nan
     rows += [
         (None, name, value, u, equation, nothing, u**2, nothing, nothing)
@@ -89,10 +88,13 @@ def comparison_table(course: Course) -> pd.DataFrame:
 def _curves(course: Course) -> Iterator[tuple[str, str, str, np.ndarray]]:
     run, mean = "one run", f"mean of {course.runs} runs"
     yield "Eq. (30)", run, "all", course.summed_total
-    yield "Eq. (31)", mean, "all", course.summed_mean
+    if course.runs > 1:
+        yield "Eq. (31)", mean, "all", course.summed_mean
     yield "Monte Carlo", run, "all", course.total
-    yield "Monte Carlo", mean, "all", course.total_mean
-    yield "Monte Carlo", "scatter of the runs", "all", course.scatter
+    if course.runs > 1:
+        yield "Monte Carlo", mean, "all", course.total_mean
+        method = "measured" if course.measured else "Monte Carlo"
+        yield method, "scatter of the runs", "all", course.scatter
     for source, values in course.summed.items():
         yield "Eq. (30)", run, source, values
     for source, values in course.simulated.items():

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from mcsim.gum.course import SENSOR_TERMS, Array, Course
+from mcsim.gum.course import Array, Course
+from mcsim.systems.velocity.sources import SENSOR_TERMS
 
 #: What sums and simulation may differ by before the words name it.
 _SAME = 0.1
@@ -60,6 +61,8 @@ def _totals(course: Course) -> str:
             f", at {course.time[at]:.3g} s, where Monte Carlo is largest, {summed[at]:.3g} and "
             f"{simulated[at]:.3g} m/s ({_verdict(summed[at], simulated[at])})"
         )
+    if course.runs < 2:
+        return f"{words}."
     mean, of_mean = course.summed_mean[-1], course.total_mean[-1]
     return (
         f"{words}; for the mean of {course.runs} runs after {t:.3g} s Eq. (31) gives {mean:.3g} "
@@ -136,6 +139,9 @@ def _share(part: float, whole: float) -> str:
 
 
 def _scatter(course: Course) -> Iterator[str]:
+    if course.measured:
+        yield from _measured_scatter(course)
+        return
     independent, stamps = (
         (course.other_scatter[-1], course.scatter[-1])
         if course.stamps
@@ -151,6 +157,25 @@ def _scatter(course: Course) -> Iterator[str]:
         f"between samples err independently, and by {stamps:.2g} m/s where it is the time stamps "
         f"that err{why if stamps < (1.0 - _SAME) * independent else ''}."
     )
+
+
+def _measured_scatter(course: Course) -> Iterator[str]:
+    """Whether measured runs scatter by more than the noise of their sensor and time base."""
+    if course.runs < 2:
+        yield "A single run has no scatter; Eq. (31) needs repeated ones."
+        return
+    found, expected = course.scatter[-1], course.other_scatter[-1]
+    words = (
+        f"The {course.runs} runs scatter after {course.time[-1]:.3g} s by s(v) = {found:.2g} m/s; "
+        f"noise and time base alone would make {expected:.2g} m/s"
+    )
+    # The standard deviation of normal values is uncertain by this part, three times over.
+    beyond = 1.0 + 3.0 / np.sqrt(2.0 * (course.runs - 1))
+    if found > beyond * expected:
+        words += ": the runs themselves differ, or something else disturbs them"
+    elif found * beyond < expected:
+        words += ": they agree better than these say, which are overstated"
+    yield f"{words}."
 
 
 def _verdict(summed: float, simulated: float) -> str:

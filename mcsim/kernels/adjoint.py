@@ -25,6 +25,7 @@ from mcsim.kernels.system import (
     advance,
     begin,
     enter,
+    interval_place,
     keep,
     linear_rows,
     numbers,
@@ -83,7 +84,8 @@ def adjoint(
     states : float64 (n + 1, s), written
         The undisturbed states.
     """
-    n_signals, n_channels, n_constants, n_linear, at_offsets, _, _, end = numbers(system)
+    n_signals, n_channels, _, n_constants, n_linear, at_offsets, _, _, end = numbers(system)
+    timed = interval_place(system)
     signals = sensors.signals
     n = signals.shape[0] - 1
     size = at_offsets // LANES
@@ -95,11 +97,11 @@ def adjoint(
     jacobian = np.empty((size, size + n_channels))
     sensitivity = np.empty((n_linear, size))
 
-    _read(signals, 0, n_signals, measured)
+    _read(signals, 0, n_signals, timed, measured)
     _start(system, constants, sensors, scratch, measured, rows)
     _keep_state(rows, states, 0)
     for i in range(1, n + 1):
-        _read(signals, i, n_signals, measured)
+        _read(signals, i, n_signals, timed, measured)
         advance(system, system.way, measured, rows)
         _keep_state(rows, states, i)
     _end(system, states[n], rows, steps, sensitivity)
@@ -108,7 +110,7 @@ def adjoint(
             steps[row] = _vary(row_of(rows, row), row, states[i - 1, row])
         for channel in range(n_channels):
             number = size + channel
-            value = _signal(signals, i, channel, n_signals)
+            value = _signal(signals, i, channel, n_signals, timed)
             steps[number] = _vary(row_of(measured, channel), number, value)
         advance(system, system.way, measured, rows)
         for row in range(size):
@@ -119,12 +121,12 @@ def adjoint(
         sensitivity[:] = moved[:, :size]
     # Sample 0, then what is drawn once, one block of normals after the other.
     for channel in range(n_channels):
-        value = _signal(signals, 0, channel, n_signals)
+        value = _signal(signals, 0, channel, n_signals, timed)
         steps[channel] = _vary(row_of(measured, channel), channel, value)
     _start(system, constants, sensors, scratch, measured, rows)
     for channel in range(n_channels):
         samples[:, 0, channel] = sensitivity @ _slopes(rows, size, channel, steps[channel])
-    _read(signals, 0, n_signals, measured)
+    _read(signals, 0, n_signals, timed, measured)
     for first in range(0, n_constants, MOST_VARIED):
         last = min(first + MOST_VARIED, n_constants)
         constants[:] = 0.0
@@ -147,15 +149,17 @@ def _slopes(rows, size, number, step):
 
 
 @scalar
-def _signal(signals, i, channel, channels):
+def _signal(signals, i, channel, channels, timed):
     """What a step reads without errors; normals that it reads as they are, are zero."""
+    if channel == timed:
+        return signals[i, signals.shape[1] - 1]
     return signals[i, channel] if channel < channels else 0.0
 
 
 @scalar
-def _read(signals, i, channels, measured):
+def _read(signals, i, channels, timed, measured):
     for channel in range(len(measured) // LANES):
-        row_of(measured, channel)[:] = _signal(signals, i, channel, channels)
+        row_of(measured, channel)[:] = _signal(signals, i, channel, channels, timed)
 
 
 @scalar

@@ -6,6 +6,7 @@ An algorithm is three scalar functions over a state of its own, a named tuple of
   channels measure at sample 0;
 * ``step(system, state, read) -> State``: one sample on; ``read`` are the channels in the system's
   order, forces in m/s^2 and turns in rad per interval, ``system.interval`` is the interval in s;
+  where intervals vary both are those of the sample's own interval, and lost samples make no step;
 * ``end(system, state) -> Motion``: the motion that the state stands for.
 
 They run in the frame like the shipped systems, four samples at a time.  Their linear model is
@@ -19,6 +20,7 @@ from typing import Any
 
 from mcsim.kernels.adjoint import MOST_VARIED
 from mcsim.kernels.compilation import scalar
+from mcsim.kernels.lane_steps import is_timed
 from mcsim.kernels.lanes import LANES, NORMALS
 from mcsim.kernels.parts import loader, made, of, store, take
 from mcsim.kernels.system import Step, add_linear, begin, finish, keep, record, remembers, rows_of
@@ -41,10 +43,11 @@ def system_of(
     end: Callable[..., Any],
 ) -> type[Any]:
     """A system like ``base``, moved by an algorithm of three scalar functions."""
-    taken = Step(scalar(step), state)
+    timed = is_timed(base)
+    taken = Step(_timed(scalar(step), base) if timed else scalar(step), state)
     members = {
         "STEPS": (taken,),
-        "FOURS": {0: taken},
+        "FOURS": {} if timed else {0: taken},
         "STATE": len(state._fields),
         "START": staticmethod(scalar(start)),
         "END": staticmethod(scalar(end)),
@@ -55,6 +58,45 @@ def system_of(
     # Where numba finds it again when it reads what it has kept.
     globals()[name] = made_here
     return made_here
+
+
+def _timed(step, base):
+    """The same step over the sample's own interval, which is the last that is read."""
+    own, turned = _over(base), _turned(base.CHANNELS, base.TURNS)
+
+    @scalar
+    def over_interval(system, state, read):
+        r = read[-1]
+        if r == 0.0:
+            return state
+        return step(own(system, r), state, turned(read, r))
+
+    return over_interval
+
+
+def _over(base):
+    """The numbers of a system of another interval."""
+    numbers = base.__mro__[[kind._fields is base._fields for kind in base.__mro__[:-2]].index(True)]
+    place, kind = base._fields.index("interval"), numbers
+
+    @scalar
+    def over(system, r):
+        return kind(*system[:place], r * system[place], *system[place + 1 :])
+
+    return over
+
+
+def _turned(count, turns):
+    """The channels, with turns over the interval in the place of those per sampling interval."""
+    last = count - 1
+    if last in turns:
+        own = scalar(lambda read, r: r * read[last])
+    else:
+        own = scalar(lambda read, r: read[last])
+    if not last:
+        return scalar(lambda read, r: (own(read, r),))
+    before = _turned(last, turns)
+    return scalar(lambda read, r: (*before(read, r), own(read, r)))
 
 
 @of(begin, Custom)

@@ -27,6 +27,7 @@ from numba import uint64
 from numpy.typing import NDArray
 
 from mcsim.kernels.compilation import kernel, scalar
+from mcsim.kernels.intervals import ROWS
 from mcsim.kernels.lane_loops import row_of
 from mcsim.kernels.lanes import LANES, NORMALS, take_constants
 from mcsim.kernels.measurement import make_scratch, measure, start_measuring
@@ -51,13 +52,16 @@ from mcsim.kernels.system import (
     legs,
     numbers,
     read_bare,
+    read_interval,
     read_plainly,
     reads_late,
     record,
+    record_time,
     remembers,
     seed,
     start_linear,
     start_offsets,
+    start_times,
 )
 
 
@@ -109,20 +113,21 @@ def simulate(
     results : Results
         Written.
     """
-    n_channels, n_read, n_fixed, _, at_offsets, at_linear, _, end = numbers(system)
-    signals, white, terms = sensors
+    n_channels, n_read, threes, n_fixed, _, at_offsets, at_linear, _, end = numbers(system)
+    signals, white, terms, clock = sensors
     errors, linear, history, instants = results
     n = signals.shape[0] - 1
     n_constants = (n_fixed + len(terms.mix_deviation) + 3) // 4 * 4
     plain = terms.innovation.shape[0] == 0
     with_linear = linear.shape[1] > 0
     with_given = given.shape[1] > 0
-    threes = n_channels // 3
     streams = np.empty(4 * threes * LANES, np.uint32)
     normals = np.empty(NORMALS * threes * LANES, np.float32)
     constants = np.zeros(n_constants * LANES, np.float32)
     scratch = make_scratch(terms)
     measured = np.empty(n_read * LANES, np.float64)
+    times = np.empty(ROWS * LANES, np.float64)
+    deviations = scratch[0][len(terms.mix_deviation) * LANES :]
     rows = np.empty(end, np.float64)
     offsets = rows[at_offsets : at_offsets + n_channels * LANES]
     for block in range((count + LANES - 1) // LANES):
@@ -135,6 +140,7 @@ def simulate(
             draw_once(system, key, block_first, n_constants, constants)
         if not plain:
             start_measuring(key, block_first, terms, n_fixed, constants, scratch)
+        start_times(system, key, block_first, streams, times)
         start_offsets(system, constants, rows)
         begin(system, constants, sensors, scratch, rows)
         if with_linear:
@@ -158,6 +164,7 @@ def simulate(
             instant = _next_instant(instants, asked, samples)
             if instant == 0:
                 record(system, number, asked, start, filled, rows, errors, linear, history)
+                record_time(system, asked, start, filled, times, history)
                 asked += 1
                 instant = _next_instant(instants, asked, samples)
             if with_linear:
@@ -178,7 +185,12 @@ def simulate(
                         k = until
                     while k < until:
                         at, row = before + i + k, width * k
+                        last = i + k == samples
                         if plain:
+                            read_interval(
+                                system, clock, i + k, last, k, at, deviations, signals, normals,
+                                times, measured,
+                            )  # fmt: skip
                             advance_plainly(
                                 system, way, at, row, signals, white, normals, rows, measured
                             )
@@ -190,10 +202,15 @@ def simulate(
                                 scratch, measured,
                             )  # fmt: skip
                             read_bare(system, width, row, normals, measured)
+                            read_interval(
+                                system, clock, i + k, last, k, at, deviations, signals, normals,
+                                times, measured,
+                            )  # fmt: skip
                             advance(system, way, measured, rows)
                         k += 1
                     if i + k > instant:
                         record(system, number, asked, start, filled, rows, errors, linear, history)
+                        record_time(system, asked, start, filled, times, history)
                         asked += 1
                         instant = _next_instant(instants, asked, samples)
                         if with_linear:

@@ -6,7 +6,7 @@ They are made while a kernel is compiled, from what ``system`` says of the class
 from __future__ import annotations
 
 from mcsim.kernels.compilation import scalar
-from mcsim.kernels.lane_steps import bare_of, by_measured, by_noise, disturbed
+from mcsim.kernels.lane_steps import bare_of, by_measured, by_noise, disturbed, is_timed, read_of
 from mcsim.kernels.lanes import LANES, NORMALS, draw_group, seed_lanes
 from mcsim.kernels.parts import made
 from mcsim.kernels.system import (
@@ -37,8 +37,9 @@ from mcsim.kernels.system import (
 
 @made(numbers)
 def _make_numbers(system):
-    read = system.CHANNELS + bare_of(system)
-    found = system.CHANNELS, read, system.CONSTANTS, len(system.LINEAR), *rows_of(system)
+    streams = system.CHANNELS // 3 + is_timed(system)
+    sizes = system.CHANNELS, read_of(system), streams, system.CONSTANTS, len(system.LINEAR)
+    found = *sizes, *rows_of(system)
     return lambda system: found
 
 
@@ -112,7 +113,7 @@ def _make_outcome(system):
 
 @made(draw)
 def _make_draw(system):
-    threes = system.CHANNELS // 3
+    threes = system.CHANNELS // 3 + is_timed(system)
     if threes == 1:
         return lambda system, streams, normals: draw_group(streams, normals)
 
@@ -162,6 +163,8 @@ def _make_advance(system):
 
 @made(advance_four)
 def _make_advance_four(system):
+    if not system.FOURS:
+        return lambda system, way, i, signals, white, normals, rows: None
     return by_noise(system, NORMALS // (3 + bare_of(system)))
 
 
@@ -186,7 +189,7 @@ def _make_advance_plainly(system):
 
 @made(goes_by_fours)
 def _make_goes_by_fours(system):
-    ways = tuple(system.FOURS)
+    ways = tuple(system.FOURS) or (-1,)
     return lambda system, way: way in ways
 
 

@@ -17,6 +17,16 @@ def bare_of(system):
     return getattr(system, "BARE", 0)
 
 
+def is_timed(system):
+    """Whether the system's step reads the interval before the sample."""
+    return getattr(system, "TIMED", False)
+
+
+def read_of(system):
+    """How many numbers the system's step reads."""
+    return system.CHANNELS + bare_of(system) + is_timed(system)
+
+
 def by_measured(system):
     """The loop of one sample with what was measured, by way."""
     return _chosen(_by_step(enumerate(system.STEPS)), _loop_of_one, system)
@@ -47,7 +57,7 @@ def _silent(value, deviation, offset, normal):
 
 
 def _loop_of_one(system, step):
-    count, function, load = system.CHANNELS + bare_of(system), step.function, loader(step.state)
+    count, function, load = read_of(system), step.function, loader(step.state)
     moving = _leading(step.moving or len(step.state._fields))
 
     @scalar

@@ -19,16 +19,23 @@ import numpy as np
 from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import GROUP, LANES, WHITE_NOISE, draw_constants
 from mcsim.kernels.parts import of
+from mcsim.kernels.planar_steps import (
+    EVEN,
+    EVEN_EXACTLY,
+    EVEN_LITTLE,
+    VARYING,
+    VARYING_EXACTLY,
+    Remembering,
+)
 from mcsim.kernels.rotation import (
     LARGEST_TURN,
     LITTLE_TURN,
     angles_from,
     turn,
     turn_exactly,
-    turn_little,
     wrap,
 )
-from mcsim.kernels.system import Step, add_linear, begin, draw_once, finish, keep, record, rows_of
+from mcsim.kernels.system import add_linear, begin, draw_once, finish, keep, record, rows_of
 
 
 class Motion(NamedTuple):
@@ -55,78 +62,6 @@ class Deviations(NamedTuple):
     heading: float
     course: float
 
-
-class State(NamedTuple):
-    """Heading vector, velocity and position, these divided by the interval and its square."""
-
-    c: float
-    s: float
-    vl: float
-    vd: float
-    pl: float
-    pd: float
-
-
-class Remembering(NamedTuple):
-    """The same, then the last sample's channels and half of the last interval's turn."""
-
-    c: float
-    s: float
-    vl: float
-    vd: float
-    pl: float
-    pd: float
-    forward: float
-    left: float
-    yaw: float
-    half_turn: float
-
-
-def _make_steps(turn_by):
-    """The two integrators' steps, with the given way of turning the heading."""
-
-    @scalar
-    def rectangular(system, x, read):
-        """Eq. (2), (3): new heading first, then velocity, then position."""
-        forward, left, angle = read
-        c, s = turn_by(x.c, x.s, angle)
-        vl = x.vl + c * forward
-        vl = vl - s * left
-        vd = x.vd + s * forward
-        vd = vd + c * left
-        return State(c, s, vl, vd, x.pl + vl, x.pd + vd)
-
-    @scalar
-    def trapezoidal(system, x, read):
-        """The mid-interval heading turns the interval's mean acceleration."""
-        forward, left, angle = read
-        before = system.previous_share
-        share = 1.0 - before
-        half_turn = 0.5 * (share * angle + before * x.yaw)
-        # From the middle of the last interval to the middle of this one.
-        c, s = turn_by(x.c, x.s, x.half_turn + half_turn)
-        f, g = share * forward + before * x.forward, share * left + before * x.left
-        al = c * f - s * g
-        ad = s * f + c * g
-        return Remembering(
-            c,
-            s,
-            x.vl + al,
-            x.vd + ad,
-            x.pl + (x.vl + 0.5 * al),
-            x.pd + (x.vd + 0.5 * ad),
-            forward,
-            left,
-            angle,
-            half_turn,
-        )
-
-    return Step(rectangular, State), Step(trapezoidal, Remembering)
-
-
-_RECTANGULAR_LITTLE, _ = _make_steps(turn_little)
-_RECTANGULAR, _TRAPEZOIDAL = _make_steps(turn)
-_RECTANGULAR_EXACTLY, _TRAPEZOIDAL_EXACTLY = _make_steps(turn_exactly)
 
 #: Ways of taking a sample; little turns are taken where there are no offsets.
 LITTLE, RECTANGULAR, RECTANGULAR_EXACTLY, TRAPEZOIDAL, TRAPEZOIDAL_EXACTLY = range(5)
@@ -195,25 +130,27 @@ def _recorded(system, motion):
     return motion.along, motion.across, motion.speed * c, motion.speed * s, motion.heading
 
 
+def _steps(steps, exact):
+    """The steps by way."""
+    rectangular, trapezoidal = steps
+    return rectangular, rectangular, exact.rectangular, trapezoidal, exact.trapezoidal
+
+
 class Planar(Numbers):
     """The planar system, as the frame knows it."""
 
     __slots__ = ()
 
-    STEPS = (
-        _RECTANGULAR,
-        _RECTANGULAR,
-        _RECTANGULAR_EXACTLY,
-        _TRAPEZOIDAL,
-        _TRAPEZOIDAL_EXACTLY,
-    )
+    STEPS = _steps(EVEN, EVEN_EXACTLY)
     FOURS = {  # noqa: RUF012 - of the class, not of its instances
-        LITTLE: _RECTANGULAR_LITTLE._replace(offsets=False),
-        RECTANGULAR: _RECTANGULAR,
-        TRAPEZOIDAL: _TRAPEZOIDAL,
+        LITTLE: EVEN_LITTLE.rectangular._replace(offsets=False),
+        RECTANGULAR: EVEN.rectangular,
+        TRAPEZOIDAL: EVEN.trapezoidal,
     }
     STATE = len(Remembering._fields)
     CHANNELS = 3
+    #: Channels that hold turns per interval.
+    TURNS = (2,)
     STREAMS = (WHITE_NOISE,)
     #: Offsets of the channels, initial speed, direction, heading and course, a spare one, then
     #: the noise of sample 0, which the trapezoidal rule uses and which coloured noise starts
@@ -230,6 +167,17 @@ class Planar(Numbers):
     SPARE = 1
     #: For algorithms of a user's own: see ``custom``.
     INITIAL, ERRORS_OF, RECORDED = _initial, _errors, _recorded
+
+
+class TimedPlanar(Planar):
+    """The same at intervals that vary; see ``intervals``."""
+
+    __slots__ = ()
+
+    STEPS = _steps(VARYING, VARYING_EXACTLY)
+    FOURS = {}  # noqa: RUF012 - of the class, not of its instances
+    TIMED = True
+    HISTORY = Planar.HISTORY + 1
 
 
 def way_of(trapezoidal: bool, largest_turn: float, offsets: bool) -> int:

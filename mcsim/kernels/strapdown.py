@@ -52,6 +52,7 @@ from mcsim.kernels.strapdown_system import (
     Force,
     Motion,
     Strapdown,
+    TimedStrapdown,
     way_of,
 )
 from mcsim.kernels.system import add_linear, begin, draw_once, finish, keep, record, rows_of
@@ -74,6 +75,7 @@ __all__ = [
     "Force",
     "Motion",
     "Strapdown",
+    "TimedStrapdown",
     "way_of",
 ]
 

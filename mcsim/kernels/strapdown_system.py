@@ -185,20 +185,12 @@ class Strapdown(Numbers):
 
     __slots__ = ()
 
-    STEPS = (
-        steps.RECTANGULAR,
-        steps.RECTANGULAR,
-        steps.FORWARD_EULER,
-        steps.TRAPEZOIDAL,
-        steps.RECTANGULAR_EXACTLY,
-        steps.FORWARD_EULER_EXACTLY,
-        steps.TRAPEZOIDAL_EXACTLY,
-    )
+    STEPS = (steps.EVEN.rectangular, *steps.EVEN, *steps.EVEN_EXACTLY)
     FOURS = {  # noqa: RUF012 - of the class, not of its instances
-        LITTLE: steps.RECTANGULAR_LITTLE,
-        RECTANGULAR: steps.RECTANGULAR,
-        FORWARD_EULER: steps.FORWARD_EULER,
-        TRAPEZOIDAL: steps.TRAPEZOIDAL,
+        LITTLE: steps.EVEN_LITTLE.rectangular,
+        RECTANGULAR: steps.EVEN.rectangular,
+        FORWARD_EULER: steps.EVEN.forward_euler,
+        TRAPEZOIDAL: steps.EVEN.trapezoidal,
     }
     #: The forward Euler rule reads sample 0 in its first step.
     LATE = (FORWARD_EULER, FORWARD_EULER + _EXACTLY)
@@ -217,6 +209,23 @@ class Strapdown(Numbers):
     SPARE = 8
     #: For algorithms of a user's own: see ``custom``.
     INITIAL, ERRORS_OF, RECORDED = _initial, _errors, _recorded
+    #: Channels that hold turns per interval.
+    TURNS = TURNS
+
+
+class TimedStrapdown(Strapdown):
+    """The same at intervals that vary; see ``intervals``.
+
+    The forward Euler rule remembers the sample before: its interval is known with the next one.
+    """
+
+    __slots__ = ()
+
+    STEPS = (steps.VARYING.rectangular, *steps.VARYING, *steps.VARYING_EXACTLY)
+    FOURS = {}  # noqa: RUF012 - of the class, not of its instances
+    LATE = ()
+    TIMED = True
+    HISTORY = Strapdown.HISTORY + 1
 
 
 def way_of(rule: str, largest_turn: float) -> int:

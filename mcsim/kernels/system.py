@@ -11,6 +11,8 @@ A system is a named tuple of numbers.  It fills in the parts ``begin``, ``keep``
 * ``LATE``, if any: the ways that read sample 0 in their first step, not before it;
 * ``STATE``: the most rows that the state of any step has;
 * ``CHANNELS``, a multiple of three: each three have streams of random numbers of their own;
+* ``TIMED``, if any: whether its steps read, last of all, the interval before the sample in sampling
+  intervals, none where the sample is lost (see ``intervals``); it then has no ``FOURS``;
 * ``BARE``, if any: normals of a sample that its step reads as they are, after the channels; a
   draw of twelve normals then serves ``12 // (3 + BARE)`` samples;
 * ``CONSTANTS``: rows of normals that a realization draws once, and among them, for each three
@@ -25,11 +27,13 @@ A realization is one leg of samples, unless a system says otherwise: it then has
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import LANES
 from mcsim.kernels.measurement import ErrorTerms
 from mcsim.kernels.parts import part
@@ -37,21 +41,47 @@ from mcsim.kernels.parts import part
 Array = NDArray[np.float64]
 
 
+class Clock(NamedTuple):
+    """How time stamps err, and what becomes of them, where intervals vary; see ``intervals``.
+
+    jitter, stamps : float
+        Standard deviations, in sampling intervals, of the instants of the samples and of what
+        stamps say beyond that.
+    lost : float
+        Samples whose normal lies below are lost: minus infinity for none.
+    nominal : bool
+        Whether one sampling interval is taken for each sample that arrives, whatever stamps say.
+    """
+
+    jitter: float
+    stamps: float
+    lost: float
+    nominal: bool
+
+
+#: Stamps that never err.
+EXACT_CLOCK = Clock(0.0, 0.0, -math.inf, False)
+
+
 class Sensors(NamedTuple):
     """What c channels measure at samples 0 ... n, and with which errors.
 
     signals : float64 (n + 1, c)
         Undisturbed forces (m/s^2) and turns per interval (rad); sample 0 is the known initial
-        state.
+        state.  Of a timed system the last column is the interval before each sample, in sampling
+        intervals.
     white : float64 (c,)
         Standard deviation of the white noise of one sample.
     terms : ErrorTerms
         Everything beyond white noise and offsets.
+    clock : Clock
+        For timed systems.
     """
 
     signals: Array
     white: Array
     terms: ErrorTerms
+    clock: Clock = EXACT_CLOCK
 
 
 class Weights(NamedTuple):
@@ -112,6 +142,18 @@ class Step(NamedTuple):
     state: type[Any]
     offsets: bool = True
     moving: int = 0
+
+
+@scalar
+def with_one(read):
+    """What a step of even intervals reads: the channels, and one interval."""
+    return (*read, 1.0)
+
+
+@scalar
+def as_read(read):
+    """What a step of varying intervals reads, complete as it is."""
+    return read
 
 
 @part
@@ -192,8 +234,8 @@ def rows_of(system: type[Any]) -> tuple[int, int, int, int]:
 
 @part
 def numbers(system):
-    """Of the system's class: channels, what a step reads, rows of constants, linear errors, and
-    ``rows_of``."""
+    """Of the system's class: channels, what a step reads, streams of random numbers, rows of
+    constants, linear errors, and ``rows_of``."""
 
 
 @part
@@ -239,6 +281,30 @@ def read_plainly(system, i, row, signals, white, normals, rows, measured):
 @part
 def read_bare(system, width, row, normals, measured):
     """Put normals that a step reads as they are behind the channels; a leg may have none."""
+
+
+@part
+def start_times(system, key, first, streams, times):
+    """Put the stream of the time stamps into place; nothing is late yet."""
+
+
+@part
+def read_interval(
+    system, clock, number, last, place, i, deviations, signals, normals, times, measured
+):
+    """Put the interval before sample ``number`` of a leg, the ``last`` one or not, behind what else
+    a step reads; ``i`` is its row of the signals, ``place`` that among the samples drawn, and
+    ``deviations`` are normals of the instants."""
+
+
+@part
+def record_time(system, asked, start, filled, times, history):
+    """How late (s) the samples are that states are recorded at."""
+
+
+@part
+def interval_place(system):
+    """Which of the numbers that a step reads is the interval; -1 for none."""
 
 
 @part

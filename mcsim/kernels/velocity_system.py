@@ -138,9 +138,20 @@ def _run(system, x, read):
 
 
 @scalar
+def _timed_run(system, x, read):
+    """The same over the interval that is given; a sample that is lost has none."""
+    rx, ry, rz, normal, given = read
+    taken = given != 0.0
+    error = system.time_error * (normal - system.difference * x.stamp)
+    interval = system.interval * given + (error if taken else 0.0)
+    speed = x.speed + (x.k0 + x.kx * rx + x.ky * ry + x.kz * rz) * interval
+    return State(speed, normal if taken else x.stamp, x.k0, x.kx, x.ky, x.kz)
+
+
+@scalar
 def _rest(system, x, read):
     """One sample at rest."""
-    rx, ry, rz, _ = read
+    rx, ry, rz = read[0], read[1], read[2]
     return Resting(x.speed, x.stamp, x.k0, x.kx, x.ky, x.kz, x.x + rx, x.y + ry, x.z + rz)
 
 
@@ -169,3 +180,14 @@ class Velocity(Numbers):
     HISTORY = 1
     #: Linear errors of the means at rest, and the last stamp's normal for the linear error.
     SPARE = 4
+
+
+class TimedVelocity(Velocity):
+    """The same at intervals that vary; see ``intervals``."""
+
+    __slots__ = ()
+
+    STEPS = (Step(_timed_run, State, moving=2), Step(_rest, Resting))
+    FOURS = {}  # noqa: RUF012 - of the class, not of its instances
+    SINGLY = False
+    TIMED = True

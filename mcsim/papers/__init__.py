@@ -135,8 +135,12 @@ class PaperFigure:
 TABLES: Registry[PaperTable] = Registry(
     "table",
     later={
+        "allan-recovery": "mcsim.papers.allan_recovery:TABLE",
+        "attitude-drift": "mcsim.papers.attitude_drift:TABLE",
         "bias-tracking": "mcsim.papers.bias_tracking:TABLE",
         "gravity-leakage": "mcsim.papers.gravity_leakage:TABLE",
+        "planar-sensors": "mcsim.papers.planar_sensors:TABLE",
+        "repeated-runs": "mcsim.papers.repeated_runs:TABLE",
         "sensors": "mcsim.papers.sensor_deviations:TABLE",
         "velocity": "mcsim.papers.velocity_tables:TABLE",
     },
@@ -154,6 +158,9 @@ FIGURES: Registry[PaperFigure] = Registry(
         "12": "mcsim.papers.velocity_figures:FIGURE_12",
         "13": "mcsim.papers.velocity_figures:FIGURE_13",
         "14": "mcsim.papers.velocity_figures:FIGURE_14",
+        "allan": "mcsim.papers.allan_figures:FIGURE",
+        "attitude-drift": "mcsim.papers.attitude_drift:FIGURE",
+        "repeated-runs": "mcsim.papers.repeated_runs:FIGURE",
         "strapdown": "mcsim.papers.shipped_sweeps:STRAPDOWN",
         "velocity": "mcsim.papers.shipped_sweeps:VELOCITY",
         "vibration": "mcsim.papers.shipped_vibrations:VIBRATION",

@@ -49,6 +49,11 @@ class Axis:
         """Header of the table's column: the path, with the unit if there is one."""
         return f"{self.path} [{self.unit}]" if self.unit else self.path
 
+    @property
+    def numeric(self) -> bool:
+        """Whether its values are numbers, which may stand along a scale."""
+        return all(isinstance(v, int | float) and not isinstance(v, bool) for v in self.values)
+
     def written(self, value: Value) -> Value:
         """The value as a scenario file would hold it."""
         return f"{value:.{_DIGITS}g} {self.unit}" if self.unit else value

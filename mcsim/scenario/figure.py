@@ -65,6 +65,8 @@ class Figure(Block):
     """Second line of the title; heads the column where figures stand side by side."""
     method: bool = False
     """Also draw, dotted, the error that sampling and integration alone make."""
+    map: bool = False
+    """Also draw the first two swept numbers as a map, with contour lines and the limits in bold."""
     statistic: Annotated[str, StatisticName()] = RMS.name
     panels: Annotated[tuple[Panel, ...], Len(1, 12)] | None = None
     """The case's usual ones if absent."""

@@ -38,6 +38,8 @@ class OneOf:
         The list; its parts have a ``block``, whose field ``key`` allows the part's name.
     key : str
         What names the part.
+    default : str, optional
+        The part where a block names none; without it each must name one.
 
     Raises
     ------
@@ -47,9 +49,12 @@ class OneOf:
 
     _made: ClassVar[list[OneOf]] = []
 
-    def __init__(self, parts: Registry[Any], key: str = "shape") -> None:
+    def __init__(
+        self, parts: Registry[Any], key: str = "shape", default: str | None = None
+    ) -> None:
         self.parts: Registry[Any] = parts
         self.key = key
+        self.default = default
         for part in parts.values():
             self._check(part)
         parts.tell(self._check)
@@ -67,7 +72,7 @@ class OneOf:
 
     def block_of(self, tree: Any) -> tuple[type[Block], ...]:
         """The block that a tree as written names; all of them where it names none."""
-        name = tree.get(self.key) if isinstance(tree, dict) else None
+        name = tree.get(self.key, self.default) if isinstance(tree, dict) else None
         if isinstance(name, str) and name in self.parts:
             return (self.parts[name].block,)
         return self.blocks
@@ -96,9 +101,9 @@ class OneOf:
             return value
         if not isinstance(value, dict):
             raise PydanticKnownError("dict_type")
-        if self.key not in value:
+        if self.key not in value and self.default is None:
             raise self._refused(value, self._missing())
-        name = value[self.key]
+        name = value.get(self.key, self.default)
         if not isinstance(name, str) or name not in self.parts:
             raise self._refused(value, self.parts.unknown(str(name)))
         block: type[Block] = self.parts[name].block

@@ -248,6 +248,13 @@ def _check_figure(document: Document, base: CaseScenario, axes: tuple[Axis, ...]
             f"(it has {', '.join(statistics)}){suggest(named, statistics)}"
         )
     paths = [axis.path for axis in axes]
+    numbers = [axis for axis in axes if axis.numeric and len(axis.values) > 1]
+    # A sweep that was switched off leaves nothing to map.
+    if base.figure.map and axes and len(numbers) < 2:
+        raise InputError(
+            f"{document.place(('figure', 'map'))}: figure.map: a map needs two swept numbers, "
+            f"with several values each; this sweep has {len(numbers)}"
+        )
     for i, panel in enumerate(base.figure.panels or ()):
         for name in panel.errors:
             if name not in base.ERRORS:

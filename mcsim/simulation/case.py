@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,10 @@ from mcsim.scenario.error_quantities import ErrorQuantity
 from mcsim.scenario.idle import IdleKey
 from mcsim.scenario.rules import Rules
 from mcsim.simulation.problem import Problem
+
+
+def _no_notes(_: Any, __: Path) -> tuple[str, ...]:
+    return ()
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,11 @@ class Case:
         Its rules of integration, where users may add their own, and
     kernel : callable, optional
         ``kernel() -> type``, the kernel system that own rules are derived from.
+    notes : callable
+        ``notes(model, folder)``: what a user should know of where the truth comes from.
+    raw_log : callable, optional
+        ``raw_log(model, folder) -> {title: values}``, what its sensors would have recorded, where
+        the scenario asks for it; None where it does not.
     """
 
     name: str
@@ -48,3 +57,5 @@ class Case:
     idle: tuple[IdleKey, ...] = ()
     rules: Rules | None = None
     kernel: Callable[[], type[Any]] | None = None
+    notes: Callable[[Any, Path], tuple[str, ...]] = _no_notes
+    raw_log: Callable[[Any, Path], Mapping[str, Any] | None] | None = None

@@ -164,8 +164,17 @@ def duration_limits(duration: float) -> Iterator[Limit]:
     if duration > _LEVEL_FRAME:
         yield Limit(
             f"the drive lasts {duration / 60.0:.3g} min: the level frame neither turns nor curves "
-            "with the earth, which holds for minutes"
+            f"with the earth, which holds for minutes; {_of_a_tilt(duration)}"
         )
+
+
+def _of_a_tilt(duration: float) -> str:
+    """What a level frame makes of a constant tilt, beside the round earth (Schuler)."""
+    from mcsim.simulation.attitude_drift import SCHULER_PERIOD, TILT, excess
+
+    if duration > 0.5 * SCHULER_PERIOD:
+        return "an error of tilt would grow no further on the round earth"
+    return f"it makes {excess(TILT, duration):.0%} too much of an error of tilt"
 
 
 def tilt_limits(tilt: float) -> Iterator[Limit]:

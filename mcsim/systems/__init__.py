@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from mcsim.errors import InputError
 from mcsim.registry import Registry
@@ -47,6 +49,17 @@ def problem_of(model: CaseScenario, folder: Path) -> Problem:
     return SYSTEMS[model.case].problem(model, folder)
 
 
+def notes_of(model: CaseScenario, folder: Path) -> tuple[str, ...]:
+    """What a user should know of where a point's truth comes from.
+
+    Raises
+    ------
+    InputError
+        See ``problem_of``.
+    """
+    return SYSTEMS[model.case].notes(model, folder)
+
+
 def check_point(model: CaseScenario, folder: Path) -> int:
     """Samples per realization; refuses a point that cannot run, without preparing it.
 
@@ -56,3 +69,9 @@ def check_point(model: CaseScenario, folder: Path) -> int:
         See ``problem_of``.
     """
     return SYSTEMS[model.case].samples(model, folder)
+
+
+def raw_log_of(model: CaseScenario, folder: Path) -> Mapping[str, Any] | None:
+    """Columns by title of what the sensors of a point would have recorded, if it asks for them."""
+    make = SYSTEMS[model.case].raw_log
+    return None if make is None else make(model, folder)

@@ -12,10 +12,10 @@ import sys
 import numpy as np
 from numba import cuda, uint64
 
-from mcsim.kernels import planar, random
+from mcsim.kernels import planar, planar_steps, random
 from mcsim.kernels.lanes import WHITE_NOISE
 
-State = planar.State
+State = planar_steps.State
 step = planar.Planar.STEPS[planar.RECTANGULAR].function
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mcsim.scenario.idle import IdleKey
+from mcsim.scenario.response import idle_response
 from mcsim.simulation.case import Case
 from mcsim.simulation.problem import Problem
 from mcsim.systems.strapdown.scenario import RULES, StrapdownScenario
@@ -42,27 +43,6 @@ def _takes_for_level(model: StrapdownScenario) -> bool:
     return model.reconstruction.algorithm == "planar"
 
 
-def _leans(axis: str) -> tuple[IdleKey, ...]:
-    def response(model: StrapdownScenario) -> Any:
-        return getattr(model.body, axis)
-
-    def stiff(model: StrapdownScenario) -> bool:
-        return bool(response(model).gradient == 0.0)
-
-    def at_once(model: StrapdownScenario) -> bool:
-        return response(model).natural_frequency == 0.0 and not stiff(model)
-
-    path = f"body.{axis}"
-    deciding = (f"{path}.gradient", f"{path}.natural_frequency")
-    no_lean = f"`{path}.gradient` is zero: the body does not lean"
-    follows = f"`{path}.natural_frequency` is zero: the body follows at once"
-    return (
-        IdleKey(f"{path}.natural_frequency", deciding, stiff, no_lean),
-        IdleKey(f"{path}.damping", deciding, stiff, no_lean),
-        IdleKey(f"{path}.damping", deciding, at_once, follows),
-    )
-
-
 CASE = Case(
     "strapdown",
     StrapdownScenario,
@@ -81,8 +61,8 @@ CASE = Case(
             lambda model: not model.records_attitude,
             "no recorded pitch is used",
         ),
-        *_leans("roll"),
-        *_leans("pitch"),
+        *idle_response("body.roll"),
+        *idle_response("body.pitch"),
     ),
     rules=RULES,
     kernel=_kernel,

@@ -104,7 +104,7 @@ class StrapdownProblem(Reckoning):
             truth=samples.truth,
             rest=rest,
             levelled=levelling is not None,
-            gravity=model.body.gravity,
+            gravity=model.body.local_gravity,
             interval=1.0 / sensors.rate,
             rule=model.reconstruction.integration,
             previous_share=0.0 if sensors.sampling == "average" else 0.5,

@@ -12,15 +12,14 @@ from mcsim.scenario.case import CaseScenario
 from mcsim.scenario.fields import (
     Acceleration,
     Angle,
-    AngleGradient,
-    Frequency,
     NotNegative,
     Positive,
-    Ratio,
     Time,
     reject,
 )
 from mcsim.scenario.initial import Initial
+from mcsim.scenario.place import Place
+from mcsim.scenario.response import Response
 from mcsim.scenario.rules import Rules
 from mcsim.scenario.sensors import Sensors
 from mcsim.tracks import Trajectory
@@ -31,28 +30,13 @@ Rule = Annotated[str, RULES.checked(), RULES.listed()]
 _STEEPEST = 0.8
 
 
-class Response(Block):
-    """How the body turns about one axis under acceleration: a gradient and its dynamics."""
-
-    gradient: Annotated[AngleGradient, NotNegative] = 0.0
-    """Steady angle per acceleration, as sheets give it."""
-    natural_frequency: Annotated[Frequency, Ge(0.0), Le(50.0)] = 1.5
-    """Undamped natural frequency; zero for an angle that follows the acceleration at once."""
-    damping: Annotated[Ratio, Ge(0.05), Le(2.0)] = 0.3
-    """Damping as a share of the critical one, `30 %`."""
-
-    @model_validator(mode="after")
-    def _frequency_is_sane(self) -> Response:
-        if 0.0 < self.natural_frequency < 0.05:
-            raise reject("natural_frequency must be 0 Hz (at once) or at least 0.05 Hz")
-        return self
-
-
-class Body(Block):
+class Body(Place):
     """Attitude of the vehicle's body: the road's plane, and how the body leans in it.
 
     Roll is positive with the left side up, pitch with the nose down (ISO 8855).
     """
+
+    VALUE: ClassVar[str] = "gravity"
 
     bank: Annotated[Angle, Ge(-_STEEPEST), Le(_STEEPEST)] = 0.0
     """Slope of the road's plane across its initial direction, left side up positive."""

@@ -15,20 +15,20 @@ from pathlib import Path
 
 import numpy as np
 
-from mcsim.systems.strapdown.lean import (
-    Lean,
-    constant_lean,
-    follower,
-    oscillator,
-    recorded_lean,
-    refuse_jumps,
-    refuse_long,
-)
-from mcsim.systems.strapdown.scenario import Body, Response, StrapdownScenario
+from mcsim.scenario.response import Response
+from mcsim.systems.strapdown.scenario import Body, StrapdownScenario
 from mcsim.tracks import drive_of
 from mcsim.trajectory.attitude import EulerAngles, euler_angles, rotation_matrix
 from mcsim.trajectory.curves import Array
 from mcsim.trajectory.drive import Drive
+from mcsim.trajectory.lean import (
+    Lean,
+    constant_lean,
+    leaning,
+    recorded_lean,
+    refuse_jumps,
+    refuse_long,
+)
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def spatial_drive(model: StrapdownScenario, folder: Path) -> SpatialDrive:
     body = model.body
     if drive.manoeuvre.attitude is not None:
         roll, pitch = (recorded_lean(angle) for angle in drive.manoeuvre.attitude)
-        return SpatialDrive(drive, np.eye(3), roll, pitch, body.gravity)
+        return SpatialDrive(drive, np.eye(3), roll, pitch, body.local_gravity)
     return _leaning_drive(drive, body)
 
 
@@ -143,7 +143,7 @@ def check_lean(model: StrapdownScenario, drive: Drive) -> None:
             continue
         refuse_long(drive.duration, response.natural_frequency)
         if response.natural_frequency == 0.0:
-            refuse_jumps(*_driven(drive, _road(body), body.gravity, axis, response, sign))
+            refuse_jumps(*_driven(drive, _road(body), body.local_gravity, axis, response, sign))
 
 
 def _responses(body: Body) -> tuple[tuple[Response, float], tuple[Response, float]]:
@@ -161,10 +161,10 @@ def _road(body: Body) -> Array:
 def _leaning_drive(drive: Drive, body: Body) -> SpatialDrive:
     road = _road(body)
     pitch, roll = (
-        _lean(drive, road, body.gravity, axis, response, sign)
+        _lean(drive, road, body.local_gravity, axis, response, sign)
         for axis, (response, sign) in enumerate(_responses(body))
     )
-    return SpatialDrive(drive, road, roll, pitch, body.gravity)
+    return SpatialDrive(drive, road, roll, pitch, body.local_gravity)
 
 
 def _lean(
@@ -175,9 +175,7 @@ def _lean(
         return constant_lean(0.0)
     refuse_long(drive.duration, response.natural_frequency)
     driven = _driven(drive, road, gravity, axis, response, sign)
-    if response.natural_frequency == 0.0:
-        return follower(*driven)
-    return oscillator(*driven, response.natural_frequency, response.damping)
+    return leaning(*driven, response.natural_frequency, response.damping)
 
 
 def _driven(

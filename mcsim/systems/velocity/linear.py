@@ -116,14 +116,14 @@ def accelerations(raw: Array, inputs: NDArray[Any], order: int) -> NDArray[Any]:
     ``inputs`` (14,) as the kernel has them, real or complex.
     """
     lx, lz, bias, g = inputs[LX], inputs[LZ], inputs[BIAS], inputs[_GRAVITY]
-    p, q = _turn(_tilt(inputs), order)
+    p, q = turn(_tilt(inputs), order)
     return g * ((raw - bias) @ (p * lx - q * lz))
 
 
 def calibration_pushes(raw: Array, inputs: Array, order: int) -> Array:
     """Derivatives (n, 9) of the acceleration with respect to l and B, the tilt being known."""
     lx, lz, bias, g = inputs[LX], inputs[LZ], inputs[BIAS], inputs[_GRAVITY]
-    p, q = (float(factor) for factor in _turn(_tilt(inputs), order))
+    p, q = (float(factor) for factor in turn(_tilt(inputs), order))
     sensed = raw - bias
     by_bias = np.broadcast_to(q * lz - p * lx, sensed.shape)
     return np.asarray(g * np.concatenate([p * sensed, -q * sensed, by_bias], axis=1), float)
@@ -135,7 +135,7 @@ def _tilt(inputs: NDArray[Any]) -> Any:
     return np.arctan((lx @ at_rest) / (lz @ at_rest)) + inputs[_TILT]
 
 
-def _turn(theta: Any, order: int) -> tuple[Any, Any]:
+def turn(theta: Any, order: int) -> tuple[Any, Any]:
     """Factors of acx and of -acz in the horizontal acceleration."""
     if order == 0:
         return 1.0, theta

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +33,13 @@ from mcsim.systems.velocity.raw_output import raw_errors
 from mcsim.systems.velocity.samples import rest_output, run_samples
 from mcsim.systems.velocity.scenario import Bias, Number, VelocityScenario
 from mcsim.systems.velocity.steps import check_group, rest_steps, step_count, steps_until
-from mcsim.systems.velocity.truth import run_motion
+from mcsim.systems.velocity.truth import true_run
 
 #: Errors at every instant: velocity of a run, of the mean, standard deviation of the runs.
 _OF_FIRST, _OF_MEAN, _OF_SCATTER = range(PER_INSTANT)
 _MOST_TRACKS = 1000
+#: Share of a run after its last sample that is more than rounding.
+_MOST_LEFT = 1e-9
 _TILT_ORDERS = ("first", "second", "exact")
 _NO_CURVES = np.zeros((0, 0, 0))
 
@@ -69,24 +72,25 @@ class VelocityProblem:
     steps: NDArray[np.int64]
     error_names: tuple[str, ...]
     percentiles: tuple[float, ...] = VelocityScenario.PERCENTILES
-    too_fast: tuple[Limit, ...] = ()
+    told: tuple[Limit, ...] = ()
 
     @classmethod
-    def from_model(cls, model: VelocityScenario) -> VelocityProblem:
-        """Truth, calibration and errors of one point.
+    def from_model(cls, model: VelocityScenario, folder: Path = Path()) -> VelocityProblem:
+        """Truth, calibration and errors of one point; ``folder`` is where recorded files lie.
 
         Raises
         ------
         InputError
-            An instant earlier than the first sample, or an absurdly long run.
+            An instant earlier than the first sample, an absurdly long run, or a run that cannot
+            be read or driven.
         """
         sensor, gravity = model.sensor, model.gravity
         n = step_count(model)
         interval = 1.0 / sensor.rate
         times = np.arange(n + 1, dtype=float) / sensor.rate
-        motion = run_motion(model.trajectory, times)
+        run = true_run(model, folder)
         errors = raw_errors(model)
-        raw = run_samples(model, times, errors.filters)
+        raw = run_samples(model, run, times, errors.filters)
         samples = rest_steps(model)
         c = model.calibration
         numbers: list[Number | Bias] = [
@@ -95,9 +99,9 @@ class VelocityProblem:
         ]
         problem = cls(
             raw=raw,
-            truth=motion.velocity,
+            truth=run.profile.velocity(times),
             inputs=np.array(
-                [*(q.estimate for q in numbers), *rest_output(model), 0.0, gravity.estimate]
+                [*(q.estimate for q in numbers), *rest_output(model), 0.0, gravity.local_gravity]
             ),
             uncertainties=np.array(
                 [
@@ -116,7 +120,7 @@ class VelocityProblem:
             runs=model.runs,
             steps=np.array([steps_until(t, sensor.rate) for t in model.reported]),
             error_names=tuple(row.label for row in model.error_rows),
-            too_fast=tuple(_too_fast(model)),
+            told=tuple(_told(model)),
         )
         if problem.is_measured:
             check_group(model)
@@ -186,7 +190,7 @@ class VelocityProblem:
         return replace(model, spike_events=np.full(len(model.mean), spikes))
 
     def limits(self, key: int, count: int) -> tuple[Limit, ...]:
-        found = list(self.too_fast)
+        found = list(self.told)
         at_rest = self.inputs[REST] - self.inputs[BIAS]
         tilt = math.atan(float(self.inputs[LX] @ at_rest) / float(self.inputs[LZ] @ at_rest))
         if self.tilt_order == 0 and abs(tilt) > SMALL_TILT:
@@ -329,9 +333,22 @@ class VelocityProblem:
         )
 
 
-def _too_fast(model: VelocityScenario) -> Iterator[Limit]:
-    """Swings of the vehicle that the samples do not hold."""
+def _told(model: VelocityScenario) -> Iterator[Limit]:
+    """What the samples do not hold: swings that are too fast, the end of the run."""
     run, half = model.trajectory, 0.5 * model.sensor.rate
+    left = run.duration - model.last_sample
+    if model.instants is None and left > _MOST_LEFT * run.duration:
+        yield Limit(
+            f"trajectory.duration: {run.duration:.6g} s is no multiple of the sampling interval; "
+            f"errors are those at the last sample, {model.last_sample:.6g} s, {left:.2g} s before "
+            "the end"
+        )
+    body = model.body.pitch
+    if body.gradient != 0.0 and body.natural_frequency > half:
+        yield Limit(
+            f"sensor.rate: `body.pitch` swings at {body.natural_frequency:.4g} Hz, above half the "
+            f"sampling rate, {half:.4g} Hz: samples fold it"
+        )
     for name, swing in (("pitch", run.pitch), ("vertical", run.vertical)):
         if swing.amplitude != 0.0 and swing.frequency > half:
             yield Limit(

@@ -28,7 +28,7 @@ def raw_noise(model: VelocityScenario) -> Array:
     if sensor.noise is not None:
         return np.array([sensor.noise.x, sensor.noise.y, sensor.noise.z])
     errors = element_errors({ACCELEROMETER: sensor.terms}, sensor.rate, AXES, 0.0)
-    return errors.white / model.gravity.estimate
+    return errors.white / model.gravity.local_gravity
 
 
 def raw_errors(model: VelocityScenario) -> ChannelErrors:
@@ -47,7 +47,7 @@ def raw_errors(model: VelocityScenario) -> ChannelErrors:
         # What the axes sense at rest is not asked for: nothing is calibrated by it.
         conditions=Conditions(temperature=sensor.temperature),
     )
-    errors = scaled(errors, np.full(len(AXES), 1.0 / model.gravity.estimate))
+    errors = scaled(errors, np.full(len(AXES), 1.0 / model.gravity.local_gravity))
     sensed = len(AXES)
     return replace(
         errors,

@@ -7,7 +7,7 @@ import numpy as np
 from mcsim.sensor_terms.mechanisms.linear_filter import Filters
 from mcsim.simulation.problem import Array
 from mcsim.systems.velocity.scenario import Calibration, VelocityScenario
-from mcsim.systems.velocity.truth import RunMotion, run_motion, within_intervals
+from mcsim.systems.velocity.truth import RunMotion, TrueRun
 
 #: Beside a jump of the acceleration (s).
 _JUST_BESIDE = 1e-7
@@ -16,16 +16,19 @@ _DENSE_STEPS = 8
 
 
 def run_samples(
-    model: VelocityScenario, times: Array, filters: tuple[Filters, ...] = ((),) * 3
+    model: VelocityScenario,
+    run: TrueRun,
+    times: Array,
+    filters: tuple[Filters, ...] = ((),) * 3,
 ) -> Array:
-    """Undisturbed raw output (n, 3) for the intervals between ``n + 1`` times.
+    """Undisturbed raw output (n, 3) of a run for the intervals between ``n + 1`` times.
 
     Each axis is sampled behind its filters, which have settled in the standstill before the run.
     """
-    samples = _wide_samples(model, times)
+    samples = _wide_samples(model, run, times)
     behind = [axis for axis, own in enumerate(filters) if own]
     if behind:
-        dense, rest = _dense_output(model, times), rest_output(model)
+        dense, rest = _dense_output(model, run, times), rest_output(model)
     for axis in behind:
         values, means = dense[:, :, axis], samples[:, axis]
         for one in filters[axis]:
@@ -36,11 +39,11 @@ def run_samples(
     return np.ascontiguousarray(samples)
 
 
-def _wide_samples(model: VelocityScenario, times: Array) -> Array:
-    run, gravity = model.trajectory, model.gravity.estimate
+def _wide_samples(model: VelocityScenario, run: TrueRun, times: Array) -> Array:
+    gravity = model.gravity.local_gravity
     if model.sensor.sampling == "none":
-        return raw_output(run_motion(run, times[:-1] + _JUST_BESIDE), model.calibration, gravity)
-    motion, weights = within_intervals(run, times)
+        return raw_output(run.motion(times[:-1] + _JUST_BESIDE), model.calibration, gravity)
+    motion, weights = run.within_intervals(times)
     flat = RunMotion(
         motion.velocity.ravel(),
         motion.acceleration.ravel(),
@@ -51,7 +54,7 @@ def _wide_samples(model: VelocityScenario, times: Array) -> Array:
     return np.einsum("nkc,k->nc", outputs, weights)
 
 
-def _dense_output(model: VelocityScenario, times: Array) -> Array:
+def _dense_output(model: VelocityScenario, run: TrueRun, times: Array) -> Array:
     """Raw output (n, k + 1, 3) at the ends of k steps in each interval between the times.
 
     At the ends of the intervals, where the acceleration may jump, it is the one inside.
@@ -60,8 +63,8 @@ def _dense_output(model: VelocityScenario, times: Array) -> Array:
     inside = times[:-1, None] + steps
     inside[:, 0] += _JUST_BESIDE
     inside[:, -1] -= _JUST_BESIDE
-    motion = run_motion(model.trajectory, inside.ravel())
-    output = raw_output(motion, model.calibration, model.gravity.estimate)
+    motion = run.motion(inside.ravel())
+    output = raw_output(motion, model.calibration, model.gravity.local_gravity)
     return output.reshape(len(inside), -1, 3)
 
 
@@ -69,7 +72,7 @@ def rest_output(model: VelocityScenario) -> Array:
     """Undisturbed raw output (3,) at rest."""
     still = np.zeros(1)
     at_rest = RunMotion(still, still, still, np.full(1, model.trajectory.mounting_angle))
-    (rest,) = raw_output(at_rest, model.calibration, model.gravity.estimate)
+    (rest,) = raw_output(at_rest, model.calibration, model.gravity.local_gravity)
     return np.asarray(rest, float)
 
 

@@ -16,74 +16,50 @@ from mcsim.scenario.fields import (
     Acceleration,
     Angle,
     Frequency,
+    Length,
     NotNegative,
     Positive,
     Ratio,
     SensorOutput,
-    Speed,
     Time,
     reject,
 )
 from mcsim.scenario.named_sensor import ReckoningAccelerometer
+from mcsim.scenario.place import Place
+from mcsim.scenario.response import Response
+from mcsim.scenario.run import Outputs
 from mcsim.scenario.sensor_block import NOISE_KEYS, AccelerometerErrors, is_file
 from mcsim.scenario.temperature import Temperature
+from mcsim.systems.velocity.profiles import StraightRun
+from mcsim.systems.velocity.profiles.profile import LONGEST
 
 #: Rows of the source's budget tables.
 BUDGET_ROWS = 26
-_LONGEST = 3600.0
 #: Bounds of what a correction of a sensor that works may hold: factors, and biases (g).
 _LARGEST_FACTOR, _LARGEST_BIAS = 100.0, 1000.0
 #: Gravity (m/s²) from small bodies to large ones; accelerations in fractions of it stay finite.
 _GRAVITY = (0.01, 1000.0)
-#: The largest acceleration of a vehicle (m/s²), and angle of its tilt (rad).
-_LARGEST_ACCELERATION, _LARGEST_ANGLE = 1e5, 1.5
+#: The largest angle of a vehicle's tilt (rad), and distance of a sensor from its pitch axis (m).
+_LARGEST_ANGLE, _HIGHEST = 1.5, 100.0
 #: Full scale and amplitudes of a shaker test (g).
 _SHAKEN = (1e-3, 1e6)
 
 
-class Swing(Block):
-    """A sinusoid that begins at zero with the motion."""
+class PitchingBody(Block):
+    """How the vehicle's body pitches while it drives and brakes; nobody measures it."""
 
-    frequency: Annotated[Frequency, Positive] = 1.0
-
-
-class PitchSwing(Swing):
-    """Pitch of the vehicle while it moves."""
-
-    amplitude: Annotated[Angle, Ge(-1.0), Le(1.0)] = 0.0
-
-
-class VerticalSwing(Swing):
-    """Vertical acceleration of uneven ground."""
-
-    amplitude: Annotated[Acceleration, Ge(-_LARGEST_ACCELERATION), Le(_LARGEST_ACCELERATION)] = 0.0
-
-
-class StraightRun(Block):
-    """A straight run from rest to rest with trapezoidal velocity."""
-
-    top_speed: Annotated[Speed, Ge(1e-6)]
-    """Speed between acceleration and braking."""
-    acceleration: Annotated[Acceleration, Positive, Le(_LARGEST_ACCELERATION)] = 2.0
-    """Magnitude of the acceleration and of the braking."""
-    duration: Annotated[Time, Positive, Le(_LONGEST)] = 1.5
-    """From standstill to standstill."""
-    rest: Annotated[Time, NotNegative, Le(_LONGEST)] = 10.0
-    """Standstill before, from which the initial tilt is taken."""
-    mounting_angle: Annotated[Angle, Ge(-1.0), Le(1.0)] = 0.0
-    """Tilt κ of the sensor against the horizontal, constant."""
-    pitch: PitchSwing = PitchSwing()
-    """Change α(t) of the tilt while moving; the measurement does not see it."""
-    vertical: VerticalSwing = VerticalSwing()
-    """Vertical acceleration while moving."""
+    pitch: Response = Response()
+    """Nose up under driving and down under braking: gravity then shows on the axis x."""
+    height: Annotated[Length, Ge(-_HIGHEST), Le(_HIGHEST)] = 0.0
+    """Of the sensor above the axis about which the body pitches. Its own swing, backwards while
+    the nose rises, is measured, and is an error against the velocity of the wheels."""
 
     @model_validator(mode="after")
-    def _reaches_top_speed(self) -> StraightRun:
-        ramps = 2.0 * self.top_speed / self.acceleration
-        if ramps > self.duration * (1.0 + 1e-9):
+    def _swings_smoothly(self) -> PitchingBody:
+        if self.height != 0.0 and self.pitch.gradient and self.pitch.natural_frequency == 0.0:
             raise reject(
-                f"speeding up and braking take 2 top_speed / acceleration = {ramps:.4g} s, longer "
-                "than the duration; lower `top_speed`, or raise `acceleration` or `duration`"
+                "a body that follows at once swings a sensor at a `height` by jerks; give "
+                "`pitch.natural_frequency`"
             )
         return self
 
@@ -182,8 +158,10 @@ class Bias(Block):
     uncertainty: Annotated[SensorOutput, NotNegative, Le(_LARGEST_BIAS)] = 0.0
 
 
-class Gravity(Block):
+class Gravity(Place):
     """Acceleration of gravity where the sensor was calibrated."""
+
+    VALUE: ClassVar[str] = "estimate"
 
     estimate: Annotated[Acceleration, Ge(_GRAVITY[0]), Le(_GRAVITY[1])] = 9.80665
     uncertainty: Annotated[Acceleration, NotNegative, Le(_GRAVITY[1])] = 0.0
@@ -230,7 +208,7 @@ class Shaker(Block):
     points: Annotated[int, Whole, Ge(4), Le(1000)] = 10
     amplitude: Annotated[SensorOutput, Ge(_SHAKEN[0]), Le(_SHAKEN[1])] = 1.0
     """Amplitude at the highest frequency; in proportion at the others."""
-    duration: Annotated[Time, Positive, Le(_LONGEST)] = 10.0
+    duration: Annotated[Time, Positive, Le(LONGEST)] = 10.0
     """Time at each frequency."""
     series: Annotated[int, Whole, Ge(1), Le(1000)] = 10
     """Series that are averaged."""
@@ -275,6 +253,14 @@ class BudgetPoint(Block):
         return self
 
 
+class VelocityOutputs(Outputs):
+    """What to keep of a velocity scenario."""
+
+    runs: bool = False
+    """Raw output of the runs of one group with their rests, as `mcsim velocity` reads it; the
+    scenario's uncertainties are errors in it."""
+
+
 class VelocityScenario(CaseScenario):
     """1-D velocity from a tri-axial accelerometer, with an uncertainty budget."""
 
@@ -285,12 +271,14 @@ class VelocityScenario(CaseScenario):
 
     case: Literal["velocity"]
     trajectory: StraightRun
+    body: PitchingBody = PitchingBody()
     sensor: RawAccelerometer
     calibration: Calibration
     gravity: Gravity = Gravity()
     tilt: Tilt = Tilt()
     runs: Annotated[int, Whole, Ge(1), Le(1000)] = 12
     """Runs M of a group; all runs of a group share calibration, rest, tilt and gravity."""
+    outputs: VelocityOutputs = VelocityOutputs()
     instants: Annotated[tuple[Annotated[Time, Positive], ...], Len(1, 100)] | None = None
     """When errors are reported, after the start; the end of the run if absent."""
     budget: BudgetPoint | None = None
@@ -319,14 +307,19 @@ class VelocityScenario(CaseScenario):
     @property
     def files(self) -> tuple[str, ...]:
         model = self.sensor.terms.model
-        return (model,) if model is not None and is_file(model) else ()
+        of_sensor = (model,) if model is not None and is_file(model) else ()
+        return (*self.trajectory.files, *of_sensor)
 
     @property
     def reported(self) -> tuple[float, ...]:
         """Instants at which errors are reported (s); the last sample if none is asked for."""
+        return self.instants or (self.last_sample,)
+
+    @property
+    def last_sample(self) -> float:
+        """When the last whole sampling interval of the run ends (s)."""
         rate = self.sensor.rate
-        last = math.floor(self.trajectory.duration * rate * (1.0 + 1e-12) + 1e-9) / rate
-        return self.instants or (last,)
+        return math.floor(self.trajectory.duration * rate * (1.0 + 1e-12) + 1e-9) / rate
 
     @property
     def error_rows(self) -> tuple[ErrorRow, ...]:

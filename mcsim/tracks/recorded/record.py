@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -11,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.errors import InputError, UnitError
+from mcsim.errors import InputError
 from mcsim.logs.clock import mend_clock
-from mcsim.logs.column_file import ColumnFile, Numbers, shown, since_first
-from mcsim.logs.columns import Column, said, written_column
+from mcsim.logs.column_file import ColumnFile, Numbers, since_first
+from mcsim.logs.columns import Column, said
 from mcsim.logs.formats import open_log
+from mcsim.logs.stated_column import stated_column
 from mcsim.logs.timing import unusable
-from mcsim.logs.titles import factor_of, kind_of
 from mcsim.tracks.recorded.block import Columns
 from mcsim.tracks.recorded.plausible import refuse_digits_of_a_clock, refuse_jumps
 from mcsim.trajectory.curves import Array
@@ -98,7 +97,9 @@ def read_record(
     """
     file = open_log(path)
     specs = {role: spec for role, spec in columns.model_dump().items() if spec is not None}
-    chosen = {role: _column(file, role, spec) for role, spec in specs.items()}
+    chosen = {
+        role: stated_column(file, role, spec, KINDS[_KIND_OF[role]]) for role, spec in specs.items()
+    }
     cells = file.numbers([column.place for column in chosen.values()], unknown=True)
     values, notes = {}, [said(file, list(chosen.values())), *file.notes]
     for role, column in chosen.items():
@@ -128,39 +129,6 @@ def read_record(
     return Record(
         time, x, y, velocity_x, velocity_y, heading, values.get("roll"), pitch, tuple(notes)
     )
-
-
-def _column(file: ColumnFile, role: str, spec: str) -> Column:
-    """The column of a role, its unit from the scenario or from the header."""
-    name, separator, unit = spec.rpartition(" in ")
-    name = name.strip() if separator else spec.strip()
-    kind = KINDS[_KIND_OF[role]]
-    place = file.place_of(name)
-    if place is None:
-        held = [written_column(file, i) for i in range(file.count)]
-        close = difflib.get_close_matches(name, held, n=1)
-        hint = f'; did you mean "{close[0]}"?' if close else ""
-        raise InputError(
-            f'{file.path}: no column "{shown(name)}" for {role}{hint} (columns: {", ".join(held)})'
-        )
-    own = file.unit(place)
-    if not (unit.strip() if separator else own):
-        example = kind.example.split()[1]
-        raise InputError(
-            f'trajectory.columns.{role}: "{spec}" has no unit; '
-            f'write for example "{spec} in {example}"'
-        )
-    try:
-        scale = factor_of(unit if separator else own, kind)
-    except UnitError as error:
-        raise InputError(f"trajectory.columns.{role}: {error}") from None
-    stated = kind_of(own) if own else None
-    if separator and stated is kind and not math.isclose(factor_of(own, kind), scale):
-        raise InputError(
-            f'trajectory.columns.{role}: "{spec}", but the header of {file.path} says '
-            f'"{file.title(place)}"; correct one'
-        )
-    return Column(place, file.title(place), role, scale, unit.strip() if separator else own)
 
 
 def _values(

@@ -21,6 +21,7 @@ from mcsim.scenario.fields import (
     Time,
     reject,
 )
+from mcsim.trajectory.jerk_limited import Ramp, phases, speed_of
 from mcsim.vibration.excitations.excitation import Array, Excitation, ExcitationBlock
 
 
@@ -63,25 +64,14 @@ class Elevator(ExcitationBlock):
 
 def elevator_phases(block: Elevator) -> tuple[Array, Array]:
     """Times (s) and accelerations (m/s²) where the run's jerk changes, (8,); linear in between."""
-    ramp = block.acceleration / block.jerk
-    hold = block.speed / block.acceleration - ramp
-    rise = 2.0 * ramp + hold
-    cruise = block.distance / block.speed - rise
-    steps = [0.0, ramp, hold, ramp, cruise, ramp, hold, ramp]
-    top = block.acceleration
-    times: Array = block.start + np.cumsum(steps)
-    return times, np.array([0.0, top, top, 0.0, 0.0, -top, -top, 0.0])
+    ramp = Ramp(block.speed, block.acceleration, block.jerk)
+    times, accelerations = phases(ramp, block.distance / block.speed - ramp.duration, ramp)
+    return block.start + times, accelerations
 
 
 def elevator_speed(block: Elevator, time: Array) -> Array:
     """Speed of the car (m/s) at ``time`` (s), (n,): the integral of the phases."""
-    knots, values = elevator_phases(block)
-    slopes = np.diff(values) / np.maximum(np.diff(knots), 1e-300)
-    speeds = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2.0 * np.diff(knots))))
-    at = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, len(slopes) - 1)
-    since = np.clip(time, knots[0], knots[-1]) - knots[at]
-    speed: Array = speeds[at] + values[at] * since + 0.5 * slopes[at] * since**2
-    return speed
+    return speed_of(*elevator_phases(block), time)
 
 
 def _acceleration(block: Elevator, time: Array, _: float) -> Array:

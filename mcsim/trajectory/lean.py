@@ -1,4 +1,4 @@
-"""How a body leans under acceleration: roll and pitch of a vehicle in the plane of its road.
+"""How a body leans under acceleration: roll and pitch of a vehicle over its wheels.
 
 The angle answers the acceleration like a damped oscillator,
 ``phi'' + 2 zeta omega phi' + omega^2 phi = omega^2 K u(t)``; without a natural frequency it
@@ -66,6 +66,11 @@ class Lean:
                 rate[near] = sides / (2.0 * _BESIDE)
         return rate
 
+    def bend(self, t: Array) -> Array:
+        """Its second derivative (rad/s^2); at a jump the value after it."""
+        first, last = self.polynomial.x[[0, -1]]
+        return np.where((t >= first) & (t <= last), self.polynomial(self._within(t), 2), 0.0)
+
     def _within(self, t: Array) -> Array:
         return np.clip(t, self.polynomial.x[0], self.polynomial.x[-1])
 
@@ -82,6 +87,29 @@ def recorded_lean(spline: BSpline) -> Lean:
     knots = pieces.x[inner]
     polynomial = PPoly.construct_fast(pieces.c[:, inner], knots)
     return Lean(polynomial, (float(knots[0]), float(knots[-1])))
+
+
+def leaning(
+    force: Callable[[Array], Array],
+    before: float,
+    after: float,
+    breaks: tuple[float, ...],
+    gain: float,
+    natural_frequency: float,
+    damping: float,
+) -> Lean:
+    """``oscillator``, or ``follower`` where the natural frequency is zero; parameters as there.
+
+    Raises
+    ------
+    InputError
+        A body without inertia cannot follow a force that jumps.
+    """
+    if gain == 0.0:
+        return constant_lean(0.0)
+    if natural_frequency == 0.0:
+        return follower(force, before, after, breaks, gain)
+    return oscillator(force, before, after, breaks, gain, natural_frequency, damping)
 
 
 def oscillator(
@@ -204,8 +232,9 @@ def _refuse_jump(left: float, right: float, t: float) -> None:
     if abs(left - right) > _JUMP:
         raise InputError(
             f"body: the acceleration jumps at {t:.4g} s, and a body that follows at once would "
-            "jump with it; give `natural_frequency`, or a track without jumps "
-            "(`quintic`, `curve` with `clothoid`; no deceleration under a pitch gradient)"
+            "jump with it; give `natural_frequency`, or a motion without jumps "
+            "(`quintic`, `curve` with `clothoid`, no deceleration under a pitch gradient; of a "
+            "straight run `s_curve`)"
         )
 
 
