@@ -31,9 +31,10 @@ Conventions (the whole package keeps them)
   on through all its runs.  The error of a run is that of the first one.
 * A noise density is one-sided, as data sheets print it: one sample at rate fs has
   variance ND^2 fs / 2.  Allan's N belongs to a two-sided density, variance N^2 fs.
-* A sensor measures in this order: low-pass, mixing of the channels (scale factor,
-  misalignment, g-sensitivity), offsets, jitter, coloured and white noise, spikes,
-  saturation, quantisation.  A noise density is that of the output.
+* A sensor measures in this order: resonance, AC coupling, low-pass, mixing of the channels
+  (scale factor, misalignment, g-sensitivity) with non-linearity and temperature, offsets,
+  jitter, coloured and white noise, spikes, saturation, quantisation.  A noise density is that
+  of the output.
 * Before the run the vehicle may rest: first biases are calibrated, in a known attitude, then
   the attitude is levelled, then it drives; in-run noise goes on through all three.  At rest a
   sensor sees gravity, and calibration takes away whatever stands there beyond the truth.

@@ -48,6 +48,10 @@ CASES = [
           (conftest, {f"sensors.{element}.spikes.amplitude": f"0 {unit}"},
            f"sensors.{element}.spikes.rate", "1 Hz",
            {f"sensors.{element}.spikes.amplitude": f"1 {unit}"}),
+          *((conftest, {f"sensors.{element}.{order}_nonlinearity.deviation": "0 %"},
+             f"sensors.{element}.{order}_nonlinearity.full_scale", f"20 {unit}",
+             {f"sensors.{element}.{order}_nonlinearity.deviation": "1 %"})
+            for order in ("quadratic", "cubic")),
       )),
     (strapdown, {"reconstruction.algorithm": "planar"}, "initial.levelling", {"duration": "1 s"},
      {"reconstruction.algorithm": "strapdown"}),
@@ -124,3 +128,24 @@ def test_the_check_of_a_linear_answer_is_the_same_whatever_its_intervals_would_b
     told = notes({f"monte_carlo.{key}": value for key, value in asked.items()})
     assert told == notes({})
     assert not any("contradicts" in note for note in told)
+
+
+@pytest.mark.parametrize(
+    ("values", "path"),
+    [
+        ({"sensors.temperature": {"difference": "5 K"}}, "sensors.temperature"),
+        (
+            {"sensors.gyroscope.temperature_scale": "0.01 %/K"},
+            "sensors.gyroscope.temperature_scale",
+        ),
+    ],
+)
+def test_a_temperature_without_its_terms_is_told_and_the_other_way_round(values, path):
+    found = [text for text in without_effect(conftest.scenario(values)) if path in text]
+    assert len(found) == 1
+    assert "has no effect" in found[0]
+    both = {
+        "sensors.temperature": {"difference": "5 K"},
+        "sensors.gyroscope.temperature_scale": "0.01 %/K",
+    }
+    assert not [text for text in without_effect(conftest.scenario(both)) if "temperature" in text]

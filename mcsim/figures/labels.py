@@ -15,6 +15,8 @@ _WORDS = {
     "trajectory.width": "track width D",
     "trajectory.speed": "speed",
     "trajectory.deceleration": "deceleration",
+    "sensors.temperature.on_before": "time since switching on",
+    "sensors.temperature.warm_up": "warm-up",
 }
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mcsim.scenario.document import get_path
 from mcsim.scenario.idle import IdleKey
 from mcsim.scenario.paths import split_path
-from mcsim.sensor_terms import TERMS
+from mcsim.sensor_terms import TERMS, temperature
 from mcsim.sensor_terms.channel import SIGNALS
 from mcsim.systems import SYSTEMS
 from mcsim.tracks import idle_keys
@@ -47,11 +47,37 @@ def of_terms() -> Iterator[IdleKey]:
                 yield _off(element, term.inner.key, scale.name, key.name)
 
 
+def _sensors_of(model: Any) -> Any:
+    """The block of the sensors, whatever the case calls it."""
+    return getattr(model, "sensors", None) or getattr(model, "sensor", None)
+
+
 def _is_even(model: Any) -> bool:
     """Whether no sampling interval varies."""
-    sensors = getattr(model, "sensors", None) or getattr(model, "sensor", None)
-    times = getattr(sensors, "time", None)
+    times = getattr(_sensors_of(model), "time", None)
     return times is not None and not times.varies
+
+
+def _no_temperature(model: Any) -> bool:
+    return getattr(_sensors_of(model), "temperature", None) is None
+
+
+def _no_term_of_temperature(model: Any) -> bool:
+    blocks = [getattr(_sensors_of(model), element, None) for element in SIGNALS]
+    return not any(b and b.values_of(term) for b in blocks for term in temperature.TERMS)
+
+
+def of_temperature() -> Iterator[IdleKey]:
+    """A temperature that nothing goes with, and what goes with one that is not written."""
+    for block in ("sensors", "sensor"):
+        elements = tuple(f"{block}.{element}" for element in SIGNALS)
+        reason = "no `temperature_offset` or `temperature_scale` is written"
+        yield IdleKey(f"{block}.temperature", elements, _no_term_of_temperature, reason)
+        for element, term in product(SIGNALS, temperature.TERMS):
+            for key in term.keys(element):
+                path = f"{block}.{element}.{key.name}"
+                deciding = (f"{block}.temperature",)
+                yield IdleKey(path, deciding, _no_temperature, f"no `{deciding[0]}` is written")
 
 
 #: Keys of blocks that several cases have, beside those of sensor terms.
@@ -90,7 +116,7 @@ def _sentences(scenario: Scenario) -> Iterator[str]:
     swept = [axis.path for axis in scenario.axes]
     document = scenario.document
     of_track = idle_keys(getattr(scenario.base, "trajectory", None))
-    own = (*of_terms(), *of_track, *SYSTEMS[scenario.base.case].idle)
+    own = (*of_terms(), *of_temperature(), *of_track, *SYSTEMS[scenario.base.case].idle)
     for rule in (*COMMON, *own):
         keys = split_path(rule.path)
         written = get_path(document.tree, keys) is not None or rule.path in swept

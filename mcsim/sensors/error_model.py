@@ -187,7 +187,7 @@ def element_errors(
     """The same from the elements' blocks and the sampling ``rate`` (Hz)."""
     everything = (*channels, *further)
     acts = [blocks[c.element].acts_on(c.axis) for c in channels]
-    filters = tuple(map(linear_filter.filters_of, acts))
+    filters = tuple(linear_filter.filters_of(blocks[c.element].acts_on(c.axis)) for c in everything)
     at_rest = _behind(np.zeros(len(everything)) if at_rest is None else at_rest, filters)
     columns = shaped.columns_of(acts)
     held = _columns_at_rest(columns, at_rest, conditions, rate)
@@ -213,7 +213,7 @@ def element_errors(
         resolutions=np.array([only(own, Quantisation, Quantisation()).step for own in acts]),
         spike_rates=np.array([own.rate for own in spikes]),
         spike_amplitudes=np.array([own.amplitude for own in spikes]),
-        filters=filters,
+        filters=filters[: len(channels)],
         time_jitter=0.0,
         interval=1.0 / rate,
         at_rest=at_rest[: len(channels)],
@@ -246,7 +246,7 @@ def _mean_columns(
 ) -> Array:
     """Means (v,) of the columns of a sensor at rest between two times since it was switched on."""
     first, last = between
-    times = first + (np.arange(_TIMES_AT_REST) + 0.5) * ((last - first) / _TIMES_AT_REST)
+    times = np.linspace(first, last, 2 * _TIMES_AT_REST + 1)[1::2]
     still = np.broadcast_to(at_rest, (len(times), len(at_rest)))
     degrees = _temperatures(temperature, times)
     return np.array([float(column.of(still, degrees).mean()) for column in columns])
@@ -257,11 +257,9 @@ def _temperatures(temperature: Temperature | None, times: Array) -> Array:
 
 
 def _behind(at_rest: Array, filters: Sequence[Filters]) -> Array:
-    """True signals (s,) at rest behind the filters of the first channels."""
-    still = np.array(at_rest, float)
-    for k, own in enumerate(filters):
-        still[k] = linear_filter.passed(float(still[k]), own)
-    return still
+    """True signals (s,) at rest behind the channels' filters."""
+    passed = [linear_filter.passed(float(v), own) for v, own in zip(at_rest, filters, strict=True)]
+    return np.array(passed)
 
 
 def _constants(acts: Sequence[Acts]) -> dict[str, Array]:

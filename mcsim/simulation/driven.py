@@ -11,6 +11,7 @@ import numpy as np
 from mcsim.scenario.sample_times import Intervals
 from mcsim.scenario.sensors import Sensors
 from mcsim.sensor_terms.channel import ACCELEROMETER, Channel
+from mcsim.sensor_terms.mechanisms.linear_filter import filters_of, passed
 from mcsim.sensors.error_model import ChannelErrors, channel_errors, per_interval
 from mcsim.simulation.planar import CHANNELS, RATES
 from mcsim.simulation.planar_samples import course_missing, planned, sampled, scheduled_count
@@ -83,7 +84,8 @@ def driven(
     signals = samples.signals
     if errors.mixing:
         # Gravity is not measured, but shows by misalignment and g-sensitivity.
-        signals = np.column_stack([signals, np.full(len(signals), STANDARD_GRAVITY)])
+        upward = passed(STANDARD_GRAVITY, filters_of(sensors.accelerometer.acts_on(2)))
+        signals = np.column_stack([signals, np.full(len(signals), upward)])
     errors = per_interval(errors, (*RATES, False), 1.0 / sensors.rate)
     return Driven(
         signals=errors.with_columns(signals),

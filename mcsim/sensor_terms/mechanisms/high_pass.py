@@ -12,8 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.sensor_terms.mechanisms.linear_filter import LinearFilter
-from mcsim.sensor_terms.mechanisms.low_pass import LowPass
+from mcsim.sensor_terms.mechanisms.linear_filter import Hold, LinearFilter
 
 Array = NDArray[np.float64]
 
@@ -33,22 +32,27 @@ class HighPass(LinearFilter):
     def fastest(self) -> float:
         return self.corner
 
-    @property
-    def _rest(self) -> LowPass:
-        return LowPass(self.corner)
+    def _slow(self, rate: float) -> Hold:
+        return Hold.of(2.0 * np.pi * self.corner / rate)
 
     def settled(self, value: float, rate: float) -> Array:
-        return self._rest.settled(value, rate)
+        return self._slow(rate).settled(value)
 
     def apply(self, signal: Array, state: Array, rate: float) -> tuple[Array, Array]:
-        slow, after = self._rest.apply(signal, state, rate)
+        slow, after = self._slow(rate).apply(signal, state)
         return signal - slow, after
 
     def over_intervals(
-        self, dense: Array, means: Array, rest: float, rate: float
+        self,
+        dense: Array,
+        means: Array,  # noqa: ARG002
+        rest: float,
+        rate: float,
     ) -> tuple[Array, Array]:
-        slow, slow_means = self._rest.over_intervals(dense, means, rest, rate)
-        return dense - slow, means - slow_means
+        slow = self._slow(rate).over_intervals(dense, rest)
+        # tau w' = x - w = y, integrated over an interval.
+        lag = rate / (dense.shape[1] - 1) / (2.0 * np.pi * self.corner)
+        return dense - slow, lag * (slow[:, -1] - slow[:, 0])
 
     def passed(self, value: float) -> float:
         return 0.0 * value

@@ -8,6 +8,7 @@ what the one before gives at the dense samples.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,48 @@ class LinearFilter(Mechanism):
     def passed(self, value: float) -> float:
         """What is left of a value that has been there for ever."""
         return value
+
+
+@dataclass(frozen=True)
+class Hold:
+    """``y[k] = decay y[k-1] + old x[k-1] + new x[k]``: one step of ``tau y' = x - y``."""
+
+    decay: float
+    old: float
+    new: float
+
+    @classmethod
+    def of(cls, ratio: float) -> Hold:
+        """``ratio`` is 2π times the bandwidth times the interval between the samples."""
+        decay = np.exp(-ratio)
+        gone = -np.expm1(-ratio) / ratio
+        return cls(float(decay), float(gone - decay), float(1.0 - gone))
+
+    def apply(self, signal: Array, state: Array) -> tuple[Array, Array]:
+        """Filtered (n,) and the state (1,) after it, from the ``state`` before."""
+        from scipy.signal import lfilter
+
+        filtered, after = lfilter([self.new, self.old], [1.0, -self.decay], signal, zi=state)
+        return np.asarray(filtered, float), np.asarray(after, float)
+
+    def settled(self, value: float) -> Array:
+        """The state (1,) when ``value`` has been there for ever."""
+        return np.array([(self.old + self.decay) * value])
+
+    def over_intervals(self, dense: Array, rest: float) -> Array:
+        """Filtered values (n, k + 1) of ``dense`` ones in n intervals, settled at ``rest``."""
+        from scipy.signal import lfilter
+
+        pushes = self.old * dense[:, :-1] + self.new * dense[:, 1:]
+        states, _ = lfilter([1.0], [1.0, -self.decay], pushes.ravel(), zi=[self.decay * rest])
+        return in_intervals(np.append(rest, states), len(dense))
+
+
+def in_intervals(values: Array, count: int) -> Array:
+    """Values (n k + 1,) of a signal that does not jump, as (n, k + 1) with both ends of each."""
+    steps = (len(values) - 1) // count
+    windows = np.lib.stride_tricks.sliding_window_view(values, steps + 1)
+    return np.asarray(windows[::steps])
 
 
 Filters = tuple[LinearFilter, ...]

@@ -15,8 +15,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsim.sensor_terms.mechanisms.linear_filter import LinearFilter
-from mcsim.sensor_terms.mechanisms.low_pass import in_intervals
+from mcsim.sensor_terms.mechanisms.linear_filter import LinearFilter, in_intervals
 
 Array = NDArray[np.float64]
 
