@@ -135,9 +135,11 @@ class PaperFigure:
 TABLES: Registry[PaperTable] = Registry(
     "table",
     later={
+        "allan-errors": "mcsim.papers.allan_errors:TABLE",
         "bias-tracking": "mcsim.papers.bias_tracking:TABLE",
         "gravity-leakage": "mcsim.papers.gravity_leakage:TABLE",
         "sensors": "mcsim.papers.sensor_deviations:TABLE",
+        "stationary": "mcsim.papers.stationary_data:TABLE",
         "velocity": "mcsim.papers.velocity_tables:TABLE",
     },
 )

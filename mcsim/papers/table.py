@@ -76,8 +76,7 @@ def table(name: str, **settings: int | str) -> Table:
     Parameters
     ----------
     name : str
-        One of ``mcsim.papers.TABLES``: ``velocity``, ``sensors``, ``bias-tracking``,
-        ``gravity-leakage``.
+        One of ``mcsim.papers.TABLES``: ``velocity``, ``sensors``, ``stationary``, …
     **settings
         The table's own, as its command has them: ``seed``, ``noise``, ``duration``.
 
