@@ -31,8 +31,8 @@ from mcsim.calibration import (
 from mcsim.calibration.estimate import NORMAL_FACTOR, Estimate
 from mcsim.calibration.norm import NAMES
 from mcsim.calibration.scatter import SampleScatter, own_variances, sample_scatter
-from mcsim.errors import InputError
 from mcsim.calibration.six_positions import TRUE
+from mcsim.errors import InputError
 
 Array = NDArray[np.float64]
 
