@@ -6,7 +6,7 @@ Six-position tests of one known sensor, the samples' noise 3.8, 3.0 and 4.9 mg. 
 the median coverage factor, ``width`` the median half-width of the interval over that of a
 normal distribution with the errors' true deviation: 1 would be an interval that knew it.
 Arbitrary positions are at random, weighted ones have two that are held badly; their trials are a
-quarter as many.
+fifth as many.
 """
 
 from __future__ import annotations
@@ -247,7 +247,7 @@ def main(tell: Callable[[str], None] = print) -> None:
     tell(" " * 48 + "  ".join(f"{name:^26}" for name in GROUPS))
     for name, bench in BENCHES.items():
         tell(six_positions(name, bench, trials))
-    few = max(1, trials // 4)
+    few = max(1, trials // 5)
     tell("\narbitrary positions at rest: lowest, mean, highest; median k; refused in %\n")
     for count in (10, 12, 18, 24, 50):
         for samples, between in ((1, 0.0), (100, 0.0), (100, 1e-3)):

@@ -216,8 +216,7 @@ def _of_noise(table: pd.DataFrame) -> Iterator[str]:
 
 def _rows(table: pd.DataFrame, heads: Sequence[str]) -> list[list[str]]:
     rows = [["sensor", "axis", *heads]]
-    for _, row in table.iterrows():
-        rows.append([_cell(row[c]) for c in table])
+    rows += [[_cell(value) for value in row] for row in table.itertuples(index=False)]
     return rows
 
 
