@@ -5,6 +5,8 @@
 Six-position tests of one known sensor, the samples' noise 3.8, 3.0 and 4.9 mg. ``k`` is
 the median coverage factor, ``width`` the median half-width of the interval over that of a
 normal distribution with the errors' true deviation: 1 would be an interval that knew it.
+Arbitrary positions are at random, weighted ones have two that are held badly; their trials are a
+fifth as many.
 """
 
 from __future__ import annotations
@@ -17,10 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from mcsim.calibration import SixPositions, calibrate, linearity
+from mcsim.calibration import (
+    SixPositionFit,
+    SixPositions,
+    calibrate,
+    calibrate_by_norm,
+    calibrate_weighted,
+    linearity,
+    simulate_rest_positions,
+)
 from mcsim.calibration.estimate import NORMAL_FACTOR, Estimate
-from mcsim.calibration.scatter import SampleScatter, sample_scatter
+from mcsim.calibration.norm import NAMES
+from mcsim.calibration.scatter import SampleScatter, own_variances, sample_scatter
 from mcsim.calibration.six_positions import TRUE
+from mcsim.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -143,6 +155,63 @@ def six_positions(name: str, bench: Bench, trials: int) -> str:
     return f"{name:<48}" + "  ".join(cells)
 
 
+def norms(count: int, samples: int, between: float, trials: int) -> str:
+    """One line: lowest, mean and highest coverage of the nine unknowns, k and width, refused."""
+    values, vectors = np.linalg.eigh(CORRECTION.T @ CORRECTION)
+    symmetric = (vectors * np.sqrt(values)) @ vectors.T
+    truth = np.append(symmetric[np.triu_indices(3)], BIAS)
+    generator = np.random.default_rng(8)
+    inside, factors, halves, errors, refused = [], [], [], [], 0
+    for _ in range(trials):
+        test = simulate_rest_positions(CORRECTION, BIAS, NOISE, count, samples, between, generator)
+        try:
+            named = calibrate_by_norm(test).estimates()
+        except InputError:
+            refused += 1
+            continue
+        found = [named[name] for name in NAMES]
+        errors.append(np.abs([e.value for e in found] - truth))
+        factors.append([e.coverage_factor for e in found])
+        halves.append([e.coverage_factor * e.uncertainty for e in found])
+        inside.append(errors[-1] <= halves[-1])
+    held = 100.0 * np.mean(inside, axis=0)
+    name = f"{count} of {samples} samples, {1e3 * between:g} mg between them"
+    return (
+        f"{name:<48}{held.min():6.1f} {held.mean():6.1f} {held.max():6.1f}"
+        f"{np.median(factors):8.2f}{100.0 * refused / trials:12.1f}"
+    )
+
+
+def badly_held(alignment: float, generator: np.random.Generator) -> SixPositions:
+    """100 samples each; +x has ten, -z five times the noise of the others."""
+    tilts = np.cross(TRUE, alignment * generator.standard_normal((6, 3)))
+    outputs = (TRUE + tilts) @ np.linalg.inv(CORRECTION).T + BIAS
+    rows = [
+        mean + by * NOISE * generator.standard_normal((100, 3))
+        for mean, by in zip(outputs, (10.0, 1.0, 1.0, 1.0, 1.0, 5.0), strict=True)
+    ]
+    means, scatter = np.array([[r.mean(axis=0) for r in rows]]), sample_scatter(rows)
+    own = own_variances(rows, scatter, means.shape)
+    return SixPositions(means, scatter, np.full((1, 6), 100), own)
+
+
+def weighted(
+    name: str, solve: Callable[[SixPositions], SixPositionFit], alignment: float, trials: int
+) -> str:
+    """One line: lowest, mean and highest coverage of L and B, and the RMS error of B in mg."""
+    generator = np.random.default_rng(9)
+    truth, inside, errors = np.append(CORRECTION, BIAS), [], []
+    for _ in range(trials):
+        named = solve(badly_held(alignment, generator)).estimates()
+        found = [e for key, e in named.items() if key[0] in "lb"]
+        errors.append(np.array([e.value for e in found]) - truth)
+        halves = [e.coverage_factor * e.uncertainty for e in found]
+        inside.append(np.abs(errors[-1]) <= halves)
+    held = 100.0 * np.mean(inside, axis=0)
+    bias = 1e3 * float(np.sqrt(np.mean(np.array(errors)[:, 9:] ** 2)))
+    return f"{name:<48}{held.min():6.1f} {held.mean():6.1f} {held.max():6.1f}{bias:12.3f}"
+
+
 def shaker(name: str, noise: float, bend: float, trials: int) -> str:
     """One line: coverage of slope and offset, and how often the points are said to bend."""
     generator = np.random.default_rng(6)
@@ -178,6 +247,18 @@ def main(tell: Callable[[str], None] = print) -> None:
     tell(" " * 48 + "  ".join(f"{name:^26}" for name in GROUPS))
     for name, bench in BENCHES.items():
         tell(six_positions(name, bench, trials))
+    few = max(1, trials // 5)
+    tell("\narbitrary positions at rest: lowest, mean, highest; median k; refused in %\n")
+    for count in (10, 12, 18, 24, 50):
+        for samples, between in ((1, 0.0), (100, 0.0), (100, 1e-3)):
+            tell(norms(count, samples, between, few))
+    tell(
+        "\nsix positions of which two are held badly: lowest, mean, highest; RMS error of B in mg\n"
+    )
+    for alignment in (0.0, ALIGNMENT):
+        for name, solve in {"without weights": calibrate, "weighted": calibrate_weighted}.items():
+            told = f"{name}, alignment {np.rad2deg(alignment):.1f} °"
+            tell(weighted(told, solve, alignment, few))
     tell("\nshaker test, 10 points: coverage in % of the line over these amplitudes\n")
     tell(f"{'':<20}{'slope':>8}{'offset':>8}{'said to bend, %':>18}")
     for name, (noise, bend) in SHAKERS.items():

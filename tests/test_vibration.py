@@ -15,7 +15,8 @@ from scipy.signal import butter, chirp, sosfiltfilt
 
 from mcsim.cli.main import exit_code
 from mcsim.errors import InputError
-from mcsim.papers.sensor_deviations import printed, remarks, sensor_table
+from mcsim.papers.sensor_deviations import remarks, sensor_table
+from mcsim.papers.sensor_logs import printed
 from mcsim.papers.shipped import shipped_scenarios
 from mcsim.scenario.document import parse_document
 from mcsim.scenario.fields import Acceleration

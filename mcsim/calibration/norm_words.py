@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 #: Positions that lie off by so many deviations are named.
 _FAR = 4.0
-#: With fewer positions intervals of 95 % hold the truth in about 90 %.
+#: With fewer positions intervals of 95 % hold the truth in 92 % at worst.
 _FEW = 12
 
 
@@ -55,8 +55,8 @@ def _norm(fit: NormFit) -> Iterator[str]:
         )
     if n < _FEW:
         yield (
-            f"With fewer than {_FEW} positions the intervals hold the truth in about 90 % rather "
-            "than 95 %."
+            f"With fewer than {_FEW} positions some intervals hold the truth in 92 % rather than "
+            "95 %, and they are wide."
         )
     far = np.abs(fit.residuals) > _FAR * np.maximum(fit.deviations, 1e-12)
     if np.any(far):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -65,7 +65,7 @@ def _curve(axes: Axes, result: ChannelResult, name: str, k: int, count: int) -> 
 
 
 def _scales(
-    first: Sequence[Axes], found: Sequence[Characterisation], elements: Sequence[str]
+    first: Iterable[Axes], found: Sequence[Characterisation], elements: Sequence[str]
 ) -> None:
     """Ranges that hold every curve; ends of intervals of few clusters may leave them."""
     times = np.concatenate([r.curve.tau for log in found for r in log.channels])

@@ -135,6 +135,7 @@ class PaperFigure:
 TABLES: Registry[PaperTable] = Registry(
     "table",
     later={
+        "allan-errors": "mcsim.papers.allan_errors:TABLE",
         "allan-recovery": "mcsim.papers.allan_recovery:TABLE",
         "attitude-drift": "mcsim.papers.attitude_drift:TABLE",
         "bias-tracking": "mcsim.papers.bias_tracking:TABLE",
@@ -142,6 +143,7 @@ TABLES: Registry[PaperTable] = Registry(
         "planar-sensors": "mcsim.papers.planar_sensors:TABLE",
         "repeated-runs": "mcsim.papers.repeated_runs:TABLE",
         "sensors": "mcsim.papers.sensor_deviations:TABLE",
+        "stationary": "mcsim.papers.stationary_data:TABLE",
         "velocity": "mcsim.papers.velocity_tables:TABLE",
     },
 )

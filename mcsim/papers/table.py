@@ -77,7 +77,7 @@ def table(name: str, **settings: int | str) -> Table:
     ----------
     name : str
         One of ``mcsim.papers.TABLES``: ``velocity``, ``repeated-runs``, ``sensors``,
-        ``bias-tracking``, ``gravity-leakage`` …
+        ``stationary``, ``bias-tracking``, ``gravity-leakage`` …
     **settings
         The table's own, as its command has them: ``seed``, ``noise``, ``duration``.
 
