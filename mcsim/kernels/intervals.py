@@ -79,7 +79,7 @@ def _nothing(system, clock, number, last, place, i, deviations, signals, normals
 
 @made(record_time)
 def _make_record_time(system):
-    if not is_timed(system) or system.CHANNELS + 1 < read_of(system):
+    if not is_timed(system) or read_of(system) > system.CHANNELS + 1:
         return lambda system, asked, start, filled, times, history: None
     row = system.HISTORY - 1
 

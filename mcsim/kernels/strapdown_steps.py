@@ -187,6 +187,4 @@ def _mean(system, state, own):
 
 EVEN_LITTLE = _make_steps(increment_little, with_one)
 EVEN, VARYING = _make_steps(increment, with_one), _make_steps(increment, as_read)
-EVEN_EXACTLY, VARYING_EXACTLY = (
-    _make_steps(increment_exactly, way) for way in (with_one, as_read)
-)
+EVEN_EXACTLY, VARYING_EXACTLY = (_make_steps(increment_exactly, way) for way in (with_one, as_read))
