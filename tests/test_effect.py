@@ -56,6 +56,7 @@ CASES = [
     (strapdown, {"reconstruction.algorithm": "planar"}, "initial.levelling", {"duration": "1 s"},
      {"reconstruction.algorithm": "strapdown"}),
     (conftest, {}, "trajectory.side_slip_profile", "bump", {"trajectory.side_slip": "1 °"}),
+    (conftest, {}, "reconstruction.intervals", "nominal", {"sensors.time.lost": "1 %"}),
     (strapdown, {}, "body.roll.natural_frequency", "2 Hz", {"body.roll.gradient": "1 °/(m/s²)"}),
     (strapdown, {}, "body.roll.damping", "40 %", {"body.roll.gradient": "1 °/(m/s²)"}),
     (strapdown, {}, "body.pitch.natural_frequency", "2 Hz", {"body.pitch.gradient": "1 °/(m/s²)"}),

@@ -6,6 +6,8 @@ taking a sample holds a loop for each and chooses by the way.
 
 from __future__ import annotations
 
+from typing import Any
+
 from mcsim.kernels.compilation import scalar
 from mcsim.kernels.lanes import LANES, NORMALS
 from mcsim.kernels.parts import loader, store, take
@@ -22,9 +24,9 @@ def is_timed(system):
     return getattr(system, "TIMED", False)
 
 
-def read_of(system):
+def read_of(system: type[Any]) -> int:
     """How many numbers the system's step reads."""
-    return system.CHANNELS + bare_of(system) + is_timed(system)
+    return int(system.CHANNELS + bare_of(system) + is_timed(system))
 
 
 def by_measured(system):

@@ -223,7 +223,7 @@ class TimedStrapdown(Strapdown):
 
     STEPS = (steps.VARYING.rectangular, *steps.VARYING, *steps.VARYING_EXACTLY)
     FOURS = {}  # noqa: RUF012 - of the class, not of its instances
-    LATE = ()
+    LATE = ()  # type: ignore[assignment]
     TIMED = True
     HISTORY = Strapdown.HISTORY + 1
 

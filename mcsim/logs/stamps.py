@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcsim.errors import InputError, UnitError
 from mcsim.logs.clock import mend_clock
@@ -51,7 +52,7 @@ def read_stamps(path: Path, column: str | None, key: str) -> Array:
     return stamps
 
 
-def even_instants(stamps: Array, where: str) -> tuple[Array, Array]:
+def even_instants(stamps: Array, where: str) -> tuple[Array, NDArray[np.int64]]:
     """When a sensor that samples evenly took the samples with these stamps (n,).
 
     Returns
