@@ -146,7 +146,7 @@ def test_the_peak_rule_on_logs(white):
 
 def test_readings_of_a_mix():
     """Shares, regions and how much too large a reading is, from the definition."""
-    mix = [terms.white(1.0), terms.flicker(0.1), terms.random_walk(0.001)]
+    mix = [terms.white(1.0), terms.flicker(0.1), terms.random_walk(0.0003)]
     white, flicker, walk = (reading_of(term, mix, 0.01, 0.1) for term in mix)
     assert white.tau == pytest.approx(1.0, rel=0.02)
     for reading in (white, flicker, walk):
@@ -156,8 +156,14 @@ def test_readings_of_a_mix():
         assert math.sqrt(total / own) - 1.0 == pytest.approx(reading.bias)
     assert white.region[1] < flicker.tau < walk.region[0]
     assert walk.bias <= 0.1
-    # A plateau is flattest between its neighbours: where N²/τ = K² τ / 3.
-    assert flicker.tau == pytest.approx(math.sqrt(3.0) / 0.001, rel=0.02)
+    # A plateau is flattest between its neighbours, where N²/τ = K² τ / 3; its beginning is read.
+    assert flicker.tau < math.sqrt(3.0) / 0.0003
+    middle = np.array([math.sqrt(3.0) / 0.0003])
+    largest = mix[1].variance(middle)[0] / terms.total_variance(mix, middle)[0]
+    assert flicker.share == pytest.approx(0.95 * largest, rel=0.01)
+    assert flicker.share < largest
+    # Without a random walk the plateau has no end.
+    assert reading_of(mix[1], mix[:2], 0.01, 0.1).tau < 1e4
     hidden = [terms.white(1.0), terms.flicker(0.1), terms.random_walk(0.05)]
     assert reading_of(hidden[1], hidden, 0.01, 0.1).region is None
 

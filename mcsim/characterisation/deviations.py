@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 #: Of Welch's segments the clusters may last this part.
 _OF_SEGMENT = 0.2
 _FEWEST_SAMPLES = 16
+#: Weights of differences, and how many of them are taken at a time.
+_SECOND, _THIRD = (1.0, -2.0, 1.0), (-1.0, 3.0, -3.0, 1.0)
+_BLOCK = 1 << 15
 #: Clusters below which the total deviation knows more than the overlapping Allan deviation.
 _FEW_CLUSTERS = 20
 #: Exponent of a density at and below which its Allan variance is infinite.
@@ -63,32 +66,34 @@ def _overlapping(phase: Array, m: int) -> float:
 def _modified(phase: Array, m: int) -> float:
     """Second differences of phases that are averaged over m samples."""
     total = np.concatenate([[0.0], np.cumsum(phase - phase.mean())])
-    count = len(phase) - 3 * m + 1
-    third = (
-        total[3 * m : 3 * m + count]
-        - 3.0 * total[2 * m : 2 * m + count]
-        + 3.0 * total[m : m + count]
-        - total[:count]
-    )
-    return float(third @ third) / (2.0 * float(m) ** 4 * count)
+    square = _mean_square(total, m, _THIRD, len(phase) - 3 * m + 1)
+    return square / (2.0 * float(m) ** 4)
 
 
 def _hadamard(phase: Array, m: int) -> float:
     """Third differences, which a ramp does not show in."""
-    count = len(phase) - 3 * m
-    third = phase[3 * m :] - 3.0 * phase[2 * m : -m] + 3.0 * phase[m : -2 * m] - phase[:count]
-    return float(third @ third) / (6.0 * float(m) ** 2 * count)
+    return _mean_square(phase, m, _THIRD, len(phase) - 3 * m) / (6.0 * float(m) ** 2)
 
 
 def _total(phase: Array, m: int) -> float:
     """Second differences of the phase continued beyond both ends by its point reflection."""
-    n = len(phase)
     before = 2.0 * phase[0] - phase[m:0:-1]
     after = 2.0 * phase[-1] - phase[-2 : -2 - m : -1]
-    long = np.concatenate([before, phase, after])
-    middle = slice(m + 1, m + n - 1)
-    second = long[1 : n - 1] - 2.0 * long[middle] + long[2 * m + 1 : 2 * m + n - 1]
-    return float(second @ second) / (2.0 * float(m) ** 2 * (n - 2))
+    long = np.concatenate([before[1:], phase, after])
+    return _mean_square(long, m, _SECOND, len(phase) - 2) / (2.0 * float(m) ** 2)
+
+
+def _mean_square(values: Array, m: int, weights: tuple[float, ...], count: int) -> float:
+    """Of ``count`` differences whose members are m apart; block by block, in the cache."""
+    total = 0.0
+    for start in range(0, count, _BLOCK):
+        stop = min(start + _BLOCK, count)
+        difference = np.zeros(stop - start)
+        for k, weight in enumerate(weights):
+            difference += weight * values[start + k * m : stop + k * m]
+        # A product by BLAS would start threads for each block.
+        total += float(np.sum(np.square(difference, out=difference)))
+    return total / count
 
 
 DEVIATIONS: dict[str, DeviationKind] = {
@@ -117,7 +122,7 @@ class DeviationCurve:
     @property
     def tau(self) -> Array:
         """Cluster times in s."""
-        return self.factors * self.interval
+        return np.asarray(self.factors * self.interval, dtype=np.float64)
 
 
 def phase_of(samples: Array) -> Array:

@@ -18,6 +18,8 @@ from mcsim.characterisation.noise_terms import NoiseTerm, total_variance
 Array = NDArray[np.float64]
 
 _PER_DECADE = 100
+#: On a plateau the share of its term is at least this part of the largest.
+_PLATEAU = 0.95
 #: Cluster times looked at (s): from the sampling interval to about a year.
 _LONGEST = 3e7
 
@@ -46,10 +48,10 @@ def reading_of(
 ) -> Reading:
     """Where a term is read off the curve of all ``terms`` so that it is too large by ``error``.
 
-    White noise is read at τ = 1 s, or nearest to it where its region is not there; a random walk
-    and the others at the shortest cluster time of their region, which a log has most of; bias
-    instability where its share is largest, the plateau; a Gauss-Markov process at its peak.
-    Without a region it is where the share is largest.  ``shortest`` is the sampling interval (s).
+    White noise is read at τ = 1 s, or nearest to it where its region is not there; a random walk at
+    the shortest cluster time of its region, which a log has most of; bias instability where its
+    plateau begins, its share nearly the largest; a Gauss-Markov process at its peak.  Without a
+    region it is where the share is largest.  ``shortest`` is the sampling interval (s).
     """
     tau = _cluster_times(shortest)
     shares = term.variance(tau) / total_variance(terms, tau)
@@ -63,8 +65,10 @@ def reading_of(
     region = float(tau[enough[0]]), float(tau[enough[-1]])
     if term.letter == "N":
         at = int(enough[np.argmin(np.abs(np.log(tau[enough])))])
+    elif term.letter == "B":
+        at = int(enough[np.argmax(shares[enough] >= _PLATEAU * shares[best])])
     else:
-        at = int(enough[0]) if term.letter == "K" else best
+        at = int(enough[0])
     return Reading(term, float(tau[at]), float(shares[at]), region)
 
 

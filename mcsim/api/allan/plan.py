@@ -20,6 +20,7 @@ from mcsim.characterisation.expected_errors import (
 )
 from mcsim.characterisation.read_offs import Reading, reading_of
 from mcsim.errors import InputError
+from mcsim.logs.model import SHORT
 from mcsim.provenance import provenance_of
 from mcsim.report import Report
 from mcsim.text_table import columns
@@ -208,7 +209,7 @@ class AllanPlan(Found):
 
 def _row(t: PlannedTerm) -> list[str]:
     return [
-        f"{t.axis.element[:5]} {t.axis.axis}",
+        f"{SHORT[t.axis.element]} {t.axis.axis}",
         t.name,
         coefficient_words(t.axis, t.name),
         f"{t.reading.tau:.3g} s",
@@ -231,9 +232,9 @@ def plan(
 ) -> AllanPlan:
     """Plan a static test: how long and at which rate, for coefficients to an accuracy.
 
-    Eqs. (3.24) and (3.25) of the thesis at the place where each coefficient is read, N at 1 s, B on
-    the plateau, K where the walk takes over (its line is read at 3 s), Tc at 1.89 Tc; beside them
-    what a fit of the whole curve attains.
+    Eqs. (3.24) and (3.25) of the thesis at the place where each coefficient is read, N at 1 s, B
+    where its plateau begins, K where the walk takes over (its line is read at 3 s), Tc at 1.89 Tc;
+    beside them what a fit of the whole curve attains.
 
     Parameters
     ----------
