@@ -2,8 +2,8 @@
 
 Whatever its position, a sensor at rest feels one g: ``|L (am - B)| = 1`` with L = M0⁻¹.  A
 rotation of L changes no norm, so nine of the twelve parameters are left.  L is taken as
-symmetric: of all frames that explain the data as well it is that in which L is closest to a
-multiple of none, the identity (polar decomposition), so turned least from the sensor's own axes.
+symmetric: of all frames that explain the data as well it is that in which L is closest to the
+identity (polar decomposition), so turned least from the sensor's own axes.
 """
 
 from __future__ import annotations
