@@ -213,7 +213,7 @@ class Interpolated(Custom, Planar):
 
     __slots__ = ()
 
-    STEPS = (_TAKEN,)  # type: ignore[assignment]
+    STEPS = (_TAKEN,)
     FOURS = {0: _TAKEN}  # noqa: RUF012 - of the class, not of its instances
     STATE = len(State._fields)
     START, END = staticmethod(_start), staticmethod(_end)

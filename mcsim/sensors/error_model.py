@@ -113,7 +113,7 @@ class ChannelErrors:
         rest = (self.calibration + self.levelling) * self.interval
         plan = self.schedule
         if plan is None or plan.instants is None:
-            return rest + np.arange(first, first + count) * self.interval
+            return np.asarray(rest + np.arange(first, first + count) * self.interval)
         return np.asarray(rest + plan.instants.true[first : first + count])
 
     def levels(self, channel: int) -> bool:
