@@ -70,3 +70,12 @@ def test_the_table_of_rooms_names_folders_and_files():
     assert {r for r in rooms if not list((ROOT / "mcsim").glob(f"{r}*"))} == set()
     folders = {p.name for p in (ROOT / "mcsim").iterdir() if (p / "__init__.py").exists()}
     assert folders <= rooms
+
+
+def test_citation_and_changelog_name_this_version():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {mcsim.__version__}\n" in citation
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    latest = next(line for line in changes.splitlines() if line.startswith("## "))
+    assert latest.split()[1] == mcsim.__version__
+    assert latest.split()[-1] in citation
