@@ -162,7 +162,7 @@ def test_tilt_dominates_everything_from_a_fraction_of_a_degree_on():
 
 def test_shipped_scenarios_are_valid_and_small():
     paths = sorted((shipped_scenarios() / "strapdown").glob("*.yaml"))
-    assert len(paths) == 3
+    assert len(paths) >= 4
     for path in paths:
         s = Scenario.from_yaml(path)
         assert isinstance(s.base, StrapdownScenario)
