@@ -23,6 +23,12 @@ CALLS = {
     "budget": f"mcsim.budget(mcsim.Scenario.from_yaml({str(A1)!r})).table",
     "calibrate": f"mcsim.calibrate({str(A1)!r}, samples=20).table",
     "characterise": "mcsim.characterise('static.csv', read={'rate': 100.0}).allan",
+    "characterise_several": (
+        "mcsim.characterise_several(['static.csv', 'other.csv'], read={'rate': 100.0}).table"
+    ),
+    "compare_stretches": (
+        "mcsim.compare_stretches('static.csv', '0:20,30:50', read={'rate': 100.0}).table"
+    ),
     "compare_vibrations": (
         f"mcsim.compare_vibrations([{str(ENGINE)!r}], sensors='MPU-9250,BNO055').found.table"
     ),
@@ -57,6 +63,7 @@ def test_functions_work_without_the_command_line(tmp_path):
     log = np.random.default_rng(1).standard_normal((6000, 2))
     columns = ["accel_x [m/s^2]", "accel_y [m/s^2]"]
     pd.DataFrame(log, columns=columns).to_csv(tmp_path / "static.csv", index=False)
+    pd.DataFrame(log[::-1], columns=columns).to_csv(tmp_path / "other.csv", index=False)
     runs = raw_log(mcsim.Scenario.from_yaml(A1, ["runs=2"]).base, 1)
     pd.DataFrame(runs).to_csv(tmp_path / "runs.csv", index=False)
     lines = [

@@ -103,7 +103,7 @@ def test_every_folder_has_a_provenance(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("case.yaml").write_text(BASE_YAML)
     Path("sensor.yaml").write_text(SENSOR)
-    log = raw_log(mcsim.Scenario.from_yaml(A1, ["runs=2"]).base, SCENARIOS, 1)
+    log = raw_log(mcsim.Scenario.from_yaml(A1, ["runs=2"]).base, 1)
     pd.DataFrame(log).to_csv("runs.csv", index=False)
     arguments, folder = WRITING[name]
     assert exit_code([name, *arguments, "--quiet", "--output", "out"]) == 0
@@ -290,7 +290,7 @@ def test_a_name_that_is_taken_is_refused(tmp_path, monkeypatch, capsys):
     assert exit_code(["--with", "own.py", "sensors"]) == 2
     assert "there is a picture of that name already" in capsys.readouterr().err
     assert isinstance(PICTURES, Registry)
-    assert list(PICTURES) == ["figure", "tracks"]
+    assert list(PICTURES) == ["figure", "map", "tracks"]
 
 
 def test_own_parts_do_not_run_on_other_machines(own, capsys):

@@ -35,9 +35,9 @@ class Place(Block):
 
     @model_validator(mode="after")
     def _gravity_is_said_once(self) -> Place:
-        written = self.model_fields_set
-        if self.latitude is None and "height" in written:
+        usual = type(self).model_fields[self.VALUE].default
+        if self.latitude is None and self.height:
             raise reject("height acts on gravity at a latitude; write `latitude: 52 °` as well")
-        if self.latitude is not None and self.VALUE in written:
+        if self.latitude is not None and getattr(self, self.VALUE) != usual:
             raise reject(f"write either `{self.VALUE}` or `latitude`, not both")
         return self

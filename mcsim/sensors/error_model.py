@@ -175,6 +175,12 @@ def channel_errors(
     return replace(errors, time_jitter=sensors.instant_jitter)
 
 
+def _filters(blocks: Blocks, channel: Channel) -> Filters:
+    """A channel's filters; the force that shows in a gyroscope alone is behind none."""
+    block = blocks.get(channel.element)
+    return () if block is None else linear_filter.filters_of(block.acts_on(channel.axis))
+
+
 def element_errors(
     blocks: Blocks,
     rate: float,
@@ -187,7 +193,7 @@ def element_errors(
     """The same from the elements' blocks and the sampling ``rate`` (Hz)."""
     everything = (*channels, *further)
     acts = [blocks[c.element].acts_on(c.axis) for c in channels]
-    filters = tuple(linear_filter.filters_of(blocks[c.element].acts_on(c.axis)) for c in everything)
+    filters = tuple(_filters(blocks, channel) for channel in everything)
     at_rest = _behind(np.zeros(len(everything)) if at_rest is None else at_rest, filters)
     columns = shaped.columns_of(acts)
     held = _columns_at_rest(columns, at_rest, conditions, rate)

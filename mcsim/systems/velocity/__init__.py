@@ -36,7 +36,7 @@ def _notes(model: VelocityScenario, folder: Path) -> tuple[str, ...]:
 def _raw_log(model: VelocityScenario, folder: Path) -> Mapping[str, Any] | None:
     from mcsim.systems.velocity.raw_log import raw_log
 
-    return raw_log(model, folder, model.monte_carlo.seed) if model.outputs.runs else None
+    return raw_log(model, model.monte_carlo.seed, folder=folder) if model.outputs.runs else None
 
 
 CASE = Case(

@@ -32,7 +32,7 @@ _QUANTITIES = ("lxx", "lxy", "lxz", "lzx", "lzy", "lzz", "bx", "by", "bz")
 
 
 def raw_log(
-    model: VelocityScenario, folder: Path, seed: int, group: int = 0
+    model: VelocityScenario, seed: int, group: int = 0, folder: Path = Path()
 ) -> Mapping[str, Array]:
     """Columns of a group's log by title: run, time, the raw axes in g, true velocity.
 
