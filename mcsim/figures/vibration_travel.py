@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ _FOOT = (
     "the high-pass acts on acceleration, velocity and height: it takes the run away with the "
     "drift, and leaves the hum"
 )
+#: A sensor whose height errs by more than this part of the way does not see the run.
+_BLIND = 0.2
 
 
 def draw_travel(found: Comparison, title: str) -> Figure:
@@ -37,12 +40,27 @@ def draw_travel(found: Comparison, title: str) -> Figure:
         _share(panels, ways)
         set_title(figure, f"{title}: velocity and height by integration")
         passed = any(map(_is_high_pass, ways))
-        legend_with_foot(figure, panels[0, 0], _FOOT if passed else "")
+        feet = [_FOOT] if passed else []
+        blind = [
+            s.seen.name for s, m in zip(found.sensors, found.motions, strict=True) if _blind(m)
+        ]
+        if blind:
+            feet.append(f"{', '.join(blind)} does not see the run; its errors are left out")
+        legend_with_foot(figure, panels[0, 0], ". ".join(feet))
     return figure
 
 
 def _is_high_pass(way: str) -> bool:
     return way.startswith(HIGH_PASS)
+
+
+def _blind(motions: Sequence[Motion]) -> bool:
+    """Whether a sensor misses the run, as one that is AC-coupled does; its errors dwarf others'."""
+    return any(
+        np.max(np.abs(m.height - m.true_height)) > _BLIND * np.max(np.abs(m.true_height))
+        for m in motions
+        if not _is_high_pass(m.drift)
+    )
 
 
 def _share(panels: Any, ways: list[str]) -> None:
@@ -73,7 +91,8 @@ def _draw(column: Any, found: Comparison, way: str) -> None:
             if motion.drift == way:
                 truth = truth or motion
                 colour = curve_colour(i, len(found.sensors))
-                _draw_sensor(column, motion, colour, sensor.seen.name)
+                shown = column[:2] if _blind(motions) and not _is_high_pass(way) else column
+                _draw_sensor(shown, motion, colour, sensor.seen.name)
     if truth is not None:
         style = {"color": _TRUE, "linewidth": 1.0, "linestyle": (0, (4, 3)), "label": "true"}
         column[0].plot(truth.time, truth.true_velocity, **style)
@@ -90,5 +109,5 @@ def _draw_sensor(column: Any, motion: Motion, colour: object, name: str) -> None
         1e3 * (motion.height - (nothing if left else motion.true_height)),
     )
     axes: Axes
-    for axes, curve in zip(column, curves, strict=True):
+    for axes, curve in zip(column, curves, strict=False):
         axes.plot(motion.time, curve, color=colour, linewidth=0.9, label=name)
