@@ -33,8 +33,9 @@ class SampleTimes(Block):
     """
 
     interval_jitter: Annotated[Time, NotNegative, Le(1.0)] = 0.0
-    """Standard deviation of the instants of the samples about even ones; the stamps follow it. To
-    first order, by the slope between the neighbouring samples."""
+    """Standard deviation of the instants of the samples about even ones; the stamps follow it.
+    Time begins at the first sample, whose instant is its own. To first order, by the slope between
+    the neighbouring samples."""
     stamp_jitter: Annotated[Time, NotNegative, Le(1.0)] = 0.0
     """Standard deviation of the stamps about the instants: a coarse clock, or a latency that
     varies."""

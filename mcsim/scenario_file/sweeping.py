@@ -14,7 +14,10 @@ from mcsim.scenario_file.scenario import Scenario
 POINTS = 9
 _RANGE = re.compile(r"(?P<from>.+?)\.\.(?P<to>.+?)(?::\s*(?P<points>\d+))?(?P<log>\s+log)?")
 _NUMBER = re.compile(r"[-+−]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
-_FORM = '--sweep "{text}": write path=from..to, for example "sensors.rate=20..1000 Hz:9 log"'
+_FORM = (
+    '--sweep "{text}": write path=from..to or path=[…], for example "sensors.rate=20..1000 Hz:9 '
+    'log" or "reconstruction.integration=[rectangular, trapezoidal]"'
+)
 
 
 def swept_anew(scenario: Scenario, sweeps: Sequence[str], as_map: bool = False) -> Scenario:
