@@ -73,8 +73,8 @@ class StretchComparison(Found):
             shown = least_shown(self.changes)
             least = " or ".join(f"{x:.2g} {unit}" for unit, x in shown.items())
             return (
-                f"{told}No change shown (Holm's p of all tests is 0.01 or more). In every channel a "
-                f"change of level would have shown from {least} on."
+                f"{told}No change shown (Holm's p of all tests is 0.01 or more). In every channel "
+                f"a change of level would have shown from {least} on."
             )
         items = ", ".join(
             f"{q} of {c}" for c, q in zip(changed["channel"], changed["quantity"], strict=True)
