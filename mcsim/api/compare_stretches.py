@@ -14,7 +14,7 @@ from mcsim.characterisation.analysis import characterise as analyse
 from mcsim.characterisation.fit import Intervals
 from mcsim.characterisation.health.bad_stretch import bad_stretch
 from mcsim.characterisation.health.record import SHORTEST
-from mcsim.characterisation.stretches import Change, change_table, changes
+from mcsim.characterisation.stretches import Change, change_table, changes, least_shown
 from mcsim.errors import InputError
 from mcsim.logs import ReadOptions, read_log
 from mcsim.provenance import provenance_of
@@ -54,7 +54,7 @@ class StretchComparison(Found):
 
     @property
     def table(self) -> pd.DataFrame:
-        """Columns channel, quantity, before, after, u_of_change, p, p_holm, changed; SI units."""
+        """Columns channel, quantity, unit, before, after, u_of_change, p, p_holm, changed."""
         return change_table(self.changes)
 
     @property
@@ -65,12 +65,17 @@ class StretchComparison(Found):
 
     @property
     def words(self) -> str:
-        """What has changed."""
+        """What has changed, or how little of it would have shown."""
         table = self.table
         changed = table[table["changed"]]
         told = f"Between them: {self.why}. " if self.why else ""
         if not len(changed):
-            return told + "Nothing has changed (Holm's p of all tests is 0.01 or more)."
+            shown = least_shown(self.changes)
+            least = " or ".join(f"{x:.2g} {unit}" for unit, x in shown.items())
+            return (
+                f"{told}No change shown (Holm's p of all tests is 0.01 or more). In every channel "
+                f"a change of level would have shown from {least} on."
+            )
         items = ", ".join(
             f"{q} of {c}" for c, q in zip(changed["channel"], changed["quantity"], strict=True)
         )

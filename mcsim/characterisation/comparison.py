@@ -43,12 +43,14 @@ class Comparison:
 
     ``gain`` is how much lower Akaike's criterion is with the ``process`` than without.
     ``shortest_alike`` (s): a process of any longer correlation time in random walk's place fits
-    as well as random walk does; None where there is no random walk.
+    as well as random walk does; None where there is no random walk.  ``sums`` are the models
+    without a process: all terms of the fit, and those without B, K or both.
     """
 
     gain: float
     process: GaussMarkovFit | None
     shortest_alike: float | None
+    sums: tuple[Candidate, ...] = ()
 
     @property
     def is_gauss_markov(self) -> bool:
@@ -84,7 +86,8 @@ def compare(
             break
         whole = _curve(problem, squares, error * _STEP)
     sets = list(_sets(terms))
-    without = min((whole.fit(s) for s in sets), key=lambda c: c.criterion)
+    sums = tuple(whole.fit(s) for s in sets)
+    without = min(sums, key=lambda c: c.criterion)
     bests = [whole.best_process(s) for s in sets]
     process = min(bests, key=lambda c: c.criterion)
     found = None
@@ -98,6 +101,7 @@ def compare(
         gain=gain,
         process=found,
         shortest_alike=_shortest_alike(whole, without),
+        sums=sums,
     )
 
 

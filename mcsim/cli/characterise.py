@@ -218,7 +218,9 @@ def _compare(log: Path, folder: Path, stretches: str, options: _Options) -> None
     if not options["quiet"]:
         click.echo("; ".join(found.names))
         click.echo(frame_text(found.table))
-        click.echo(f"SI units (m/s², rad/s; N: times √s). {found.words}")
+        click.echo(
+            f"u_of_change: standard uncertainty of after - before, in its unit. {found.words}"
+        )
         click.echo(f"{folder / 'comparison.csv'}, {folder / 'comparison.png'}")
 
 
