@@ -503,6 +503,68 @@ def test_one_file_without_a_column_of_runs(here):
         mcsim.velocity("one.csv", A1, motion={"runs": 2, "rest": "10 s"})
 
 
+def test_runs_whose_clock_starts_again_are_not_joined(here):
+    """The advice is followed: the same runs come back; a wrap-around of the clock goes on."""
+    base = mcsim.velocity("runs.csv", A1, **OPTIONS).measurement
+    again = here["time [s]"] - here.groupby("run")["time [s]"].transform("first")
+    trials = here.assign(**{"time [s]": again}).rename(columns={"run": "trial"})
+    trials.to_csv("trials.csv", index=False)
+    with pytest.raises(InputError, match=r'2 runs, as the column "trial".*--run-column trial$'):
+        mcsim.velocity("trials.csv", A1, **OPTIONS)
+    found = mcsim.velocity("trials.csv", A1, read={"run_column": "trial"}, **OPTIONS).measurement
+    np.testing.assert_allclose(found.runs, base.runs, atol=1e-9)
+    trials.drop(columns="trial").to_csv("bare.csv", index=False)
+    line = 2 + int((here["run"] == 1).sum())
+    with pytest.raises(InputError, match=rf"starts again at line {line}: .*--run-column NAME"):
+        mcsim.velocity("bare.csv", A1, **OPTIONS)
+    one = here[here["run"] == 1].drop(columns="run")
+    wrapped = one.assign(
+        **{"time [s]": (one["time [s]"] + 2.0**32 * 1e-6 - 5.0) % (2.0**32 * 1e-6)}
+    )
+    wrapped.to_csv("wrapped.csv", index=False)
+    single = mcsim.velocity("wrapped.csv", A1, **OPTIONS).measurement
+    np.testing.assert_allclose(single.runs[0], base.runs[0], atol=1e-6)
+
+
+def test_metres_per_second_squared_are_divided_in_words(here):
+    metres = here.rename(columns={f"a{axis} [g]": f"a{axis} [m/s^2]" for axis in "xyz"})
+    for axis in "xyz":
+        metres[f"a{axis} [m/s^2]"] *= 9.80665
+    metres.to_csv("metres.csv", index=False)
+    for file, said in (("metres.csv", 1), ("runs.csv", 0)):
+        found = mcsim.velocity(file, A1, **OPTIONS)
+        notes = [n for n in found.notes if "divided by standard gravity, 9.80665 m/s²" in n]
+        assert len(notes) == said
+        assert all(n.endswith("right if the calibration is from m/s² as well") for n in notes)
+
+
+@pytest.mark.parametrize("start", [0.0, 1.7e9])
+def test_regular_stamps_tell_no_errors(here, start):
+    """Rounding alone is judged neither as u(Δt) nor as whose errors they are."""
+    one = here[here["run"] == 1].drop(columns="run")
+    one.assign(**{"time [s]": np.round(start + np.arange(len(one)) / 100, 2)}).to_csv(
+        "even.csv", index=False, float_format="%.12f"
+    )
+    found = mcsim.velocity("even.csv", A1, **OPTIONS)
+    assert found.measurement.inputs.interval_error == 0.0
+    said = "\n".join(found.notes)
+    assert "u(Δt) is taken as 0; give --interval-uncertainty" in said
+    assert "neighbouring intervals" not in said
+    known = {"interval_uncertainty": "1 ms"}
+    found = mcsim.velocity("even.csv", A1, known=known, **OPTIONS)
+    assert found.measurement.inputs.interval_error == 1e-3
+    assert "give --time-errors" in "\n".join(found.notes)
+
+
+@pytest.mark.usefixtures("here")
+def test_the_gravity_that_is_stated_is_said():
+    known = {"gravity": "9.81213 m/s²"}
+    assert any(
+        n == "g = 9.81213 m/s², u = 0 m/s², of --gravity, as no --gravity-uncertainty is given"
+        for n in mcsim.velocity("runs.csv", A1, known=known, **OPTIONS).notes
+    )
+
+
 def test_wheels_are_a_reference(here):
     """Speed, rates of two wheels, their angles and ticks of an encoder say the same."""
     t, v = here["time [s]"], here["true velocity [m/s]"]

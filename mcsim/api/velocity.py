@@ -261,7 +261,8 @@ def _group(
             f"--runs {expected}: {len(runs)} found; a steady drive of more than {rule.still:g} s "
             "looks like a rest, and a shorter rest like a drive: set --still"
         )
-    group = group_of(runs, time_base([r.time for r in records]), motion.get("align", "auto"))
+    base = time_base([r.time for r in records], max(r.resolution for r in records))
+    group = group_of(runs, base, motion.get("align", "auto"))
     for text in _said(group):
         note(text)
     return group

@@ -181,6 +181,8 @@ def _gravity(
         u = 0.0 if error is None else _not_negative("gravity-uncertainty", error, "acceleration")
         if u > _LARGEST_SHARE * value:
             raise InputError(f"--gravity-uncertainty: {error} is no uncertainty of {stated}")
+        unstated = ", as no --gravity-uncertainty is given" if error is None else ""
+        note(f"g = {value:.7g} m/s², u = {u:.2g} m/s², of --gravity{unstated}")
         return value, u
     if error is not None:
         raise InputError("--gravity-uncertainty: needs --gravity")
@@ -236,6 +238,12 @@ def _interval_error(known: KnownOptions, base: TimeBase, note: Callable[[str], N
     stated = known.get("interval_uncertainty")
     if stated is not None:
         return _not_negative("interval-uncertainty", stated, "time")
+    if base.exact:
+        note(
+            "stamps are exactly regular and tell no errors: u(Δt) is taken as 0; give "
+            "--interval-uncertainty"
+        )
+        return 0.0
     note(
         f"u(Δt) = {1e3 * base.deviation:.3g} ms, the standard deviation of {base.count} intervals "
         f"between stamps, {1e3 * base.interval:.5g} ms in the mean"
@@ -247,10 +255,16 @@ def _stamps_err(known: KnownOptions, base: TimeBase, note: Callable[[str], None]
     stated = known.get("time_errors")
     if stated is not None:
         return stated == "stamps"
+    if base.exact:
+        if known.get("interval_uncertainty") is not None:
+            note(
+                "stamps are exactly regular and do not tell whether stamps or intervals err: "
+                "intervals are taken to err independently; give --time-errors"
+            )
+        return False
     stamps = base.correlation < STAMPS_BELOW
-    if base.deviation > 0.0:
-        what = "it is stamps that err" if stamps else "intervals err independently"
-        note(f"neighbouring intervals correlate by {base.correlation:.2f}: {what}")
+    what = "it is stamps that err" if stamps else "intervals err independently"
+    note(f"neighbouring intervals correlate by {base.correlation:.2f}: {what}")
     return stamps
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -122,12 +122,17 @@ def _notes(file: ColumnFile, columns: dict[str, Column], texts: list[int]) -> li
     notes = [said(file, list(columns.values()), texts), *file.notes]
     if unstated:
         notes.append(f"{', '.join(unstated)} without a unit: taken as fractions of g")
-    if any(_in_metres(c.unit) for c in columns.values()):
-        notes.append(
-            f"m/s² are divided by standard gravity, {STANDARD_GRAVITY} m/s²; the local one differs "
-            "by up to 0.3 %, and so does the scale factor"
-        )
-    return notes
+    return [*notes, *metres_notes(columns.values())]
+
+
+def metres_notes(columns: Iterable[Column]) -> list[str]:
+    """What becomes of m/s², where fractions of g are needed; nothing where no column has them."""
+    if not any(_in_metres(c.unit) for c in columns):
+        return []
+    return [
+        f"m/s² are divided by standard gravity, {STANDARD_GRAVITY} m/s²; the local one differs "
+        "by up to 0.3 %, and so does the scale factor"
+    ]
 
 
 def _in_metres(unit: str) -> bool:

@@ -145,7 +145,7 @@ def _order(times: Array) -> Whole | None:
     if middle <= 0.0:
         return None
     # As many rows as ran backwards must find a regular place, and no new gap may open.
-    if _period(-float(steps.min()), middle) is not None:
+    if known_period(-float(steps.min()), middle) is not None:
         return None
     moved = np.flatnonzero(order[1:] != order[:-1] + 1)
     beside = np.unique(np.clip(moved[:, None] + np.arange(-1, 2), 0, len(found) - 1))
@@ -211,7 +211,7 @@ def _mended(
     wraps: dict[float, list[int]] = {}
     back: list[tuple[int, float]] = []
     for place, shift in found:
-        period = _period(-shift * interval, interval)
+        period = known_period(-shift * interval, interval)
         if period is not None:
             corrected[place:] += period
             wraps.setdefault(period, []).append(place)
@@ -236,7 +236,7 @@ def _mended(
     return corrected, len(found), notes
 
 
-def _period(back: float, interval: float) -> float | None:
+def known_period(back: float, interval: float) -> float | None:
     """The period (s) of a clock that begins anew, if going back by so much is one."""
     for period in _PERIODS:
         samples = period / interval
@@ -248,7 +248,7 @@ def _period(back: float, interval: float) -> float | None:
 
 def _short_period(found: list[tuple[int, float]], interval: float) -> float | None:
     """The one period of many, if it is so short that stamps jitter across its end."""
-    periods = [_period(-shift * interval, interval) for _, shift in found]
+    periods = [known_period(-shift * interval, interval) for _, shift in found]
     period = max(set(periods), key=periods.count)
     if period is None or period > _SHORT * interval or periods.count(period) < 2:
         return None

@@ -29,6 +29,8 @@ _NOISE_FROM = 20_000
 _SAME_RATE = 0.02
 #: Below this lag-one correlation neighbouring intervals take back each other's errors.
 STAMPS_BELOW = -0.25
+#: A spread below this part of the interval is that of rounding.
+_REGULAR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -51,12 +53,21 @@ class Run:
 @dataclass(frozen=True)
 class TimeBase:
     """What the stamps tell: usual interval (s), its standard uncertainty, correlation of
-    neighbours, and how many intervals say so."""
+    neighbours, and how many intervals say so.
+
+    ``resolution`` (s) is that of the stamps as they were read.
+    """
 
     interval: float
     deviation: float
     correlation: float
     count: int
+    resolution: float = 0.0
+
+    @property
+    def exact(self) -> bool:
+        """Whether the intervals differ by rounding alone: of their errors they tell nothing."""
+        return self.deviation <= max(_REGULAR * self.interval, self.resolution)
 
 
 @dataclass(frozen=True)
@@ -112,8 +123,11 @@ def _has_lost(intervals: Array, usual: Array) -> NDArray[np.bool_]:
     return np.asarray(intervals > max(_LOST * middle, middle + _OF_SCATTER * spread))
 
 
-def time_base(records: Sequence[Array]) -> TimeBase:
-    """What the stamps (n,) of all records tell of their intervals; gaps are left out."""
+def time_base(records: Sequence[Array], resolution: float = 0.0) -> TimeBase:
+    """What the stamps (n,) of all records tell of their intervals; gaps are left out.
+
+    ``resolution`` (s) is that of the stamps as they were read.
+    """
     intervals = [np.diff(time) for time in records]
     whole = [i[~_has_lost(i, i)] for i in intervals]
     means = [float(i.mean()) for i in whole]
@@ -126,6 +140,7 @@ def time_base(records: Sequence[Array]) -> TimeBase:
         float(np.sqrt(squares / max(count - len(whole), 1))),
         products / squares if squares > 0.0 else 0.0,
         count,
+        resolution,
     )
 
 

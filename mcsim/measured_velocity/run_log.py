@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsim.calibration.columns import metres_notes
 from mcsim.errors import InputError
 from mcsim.logs.clock import mend_clock
 from mcsim.logs.column_file import ColumnFile, Numbers, scaled, since_first
@@ -21,6 +22,7 @@ from mcsim.logs.model import ReadOptions
 from mcsim.logs.names import TIME
 from mcsim.logs.timing import unusable
 from mcsim.measured_velocity.reference import Reference, read_reference
+from mcsim.measured_velocity.restarts import refuse_restarts
 from mcsim.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
@@ -39,13 +41,15 @@ class RecordedRuns:
     """One stretch of a log: a run with its rest, or several with rests between them.
 
     ``time`` (n,) in s from its first row, ``raw`` (n, 3) in fractions of g, ``reference`` (n,) the
-    velocity that something else has measured (m/s), if there is one.
+    velocity that something else has measured (m/s), if there is one.  Stamps are told apart to
+    ``resolution`` (s).
     """
 
     name: str
     time: Array
     raw: Array
     reference: Array | None
+    resolution: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -68,14 +72,16 @@ def read_runs(
     Raises
     ------
     InputError
-        Columns, units or time stamps are missing, wrong, or doubtful.
+        Columns, units or time stamps are missing, wrong, or doubtful; several runs that no column
+        tells apart.
     """
     file = open_log(path, ReadOptions())
     found = assign(file, layout.columns, layout.units)
     _check(file, found, layout.units)
     by_name = {column.name: column for column in found}
     cells = file.numbers([c.place for c in found])
-    raw = np.column_stack([_outputs(file, by_name[axis], cells) for axis in _AXES])
+    axes = [by_name[axis] for axis in _AXES]
+    raw = np.column_stack([_outputs(file, column, cells) for column in axes])
     stamps = cells[by_name[TIME].place]
     label = _run_place(file, layout.run_column)
     reference = None
@@ -85,9 +91,13 @@ def read_runs(
             layout.reference, file, other, (stamps, by_name[TIME].factor)
         )
     notes = [said(file, [*found, *also], [] if label is None else [label]), *file.notes]
+    notes += [f"{n}; right if the calibration is from m/s² as well" for n in metres_notes(axes)]
     labels = None if label is None else file.texts(label)[: len(raw)]
     time = scaled(since_first(stamps), by_name[TIME].factor, path, by_name[TIME].title)
-    whole = RecordedRuns(str(path), time, raw, reference)
+    if label is None:
+        refuse_restarts(file, time, {c.place for c in [*found, *also]})
+    resolution = _resolution(stamps, by_name[TIME].factor)
+    whole = RecordedRuns(str(path), time, raw, reference, resolution)
     stretches = []
     for name, rows in _stretches(path, labels):
         stretch, told = _in_order(path, name, _cut(whole, rows))
@@ -130,6 +140,13 @@ def _outputs(file: ColumnFile, column: Column, cells: dict[int, Numbers]) -> Arr
             f"{outputs[row]:.3g} g: beyond any sensor; is its unit right?"
         )
     return np.asarray(outputs, float)
+
+
+def _resolution(stamps: Numbers, factor: float) -> float:
+    """How finely (s) floating numbers tell stamps apart: coarse for seconds since 1970."""
+    if stamps.dtype.kind != "f":
+        return 0.0
+    return abs(factor) * float(np.spacing(np.max(np.abs(stamps))))
 
 
 def _run_place(file: ColumnFile, named: str | None) -> int | None:
@@ -187,7 +204,9 @@ def _in_order(path: Path, name: str, run: RecordedRuns) -> tuple[RecordedRuns, l
     if reason:
         raise InputError(f"{name}: {reason}; correct the stamps, or cut the file")
     reference = None if run.reference is None else _filled(clock.stamps, run.reference[clock.rows])
-    ordered = RecordedRuns(name, clock.stamps, run.raw[clock.rows], reference)
+    ordered = replace(
+        run, name=name, time=clock.stamps, raw=run.raw[clock.rows], reference=reference
+    )
     where = "" if name == str(path) else f"{name}: "
     return ordered, [f"{where}{note}" for note in clock.notes]
 
