@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import copy
+import os
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import settings
 
-from mcsim import Scenario
+from mcsim import Scenario, run
 from mcsim.sensor_terms import gauss_markov
 from mcsim.sensor_terms.bias_instability import flicker
 from mcsim.sensor_terms.mechanisms import process
@@ -52,6 +53,24 @@ NO_NOISE = {
     "sensors.accelerometer.noise_density": "0 m/s^2/√Hz",
     "sensors.gyroscope.noise_density": "0 °/s/√Hz",
 }
+
+
+#: Kernels that a whole run needs, by worker: what one compiles the other would only wait for.
+_FIRST = (
+    ("strapdown", [{}, {"sensors.time.lost": "1 %"}]),
+    ("planar", [{}, {"sensors.time.lost": "1 %"}, {"reconstruction.integration": "cubic"}]),
+)
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile the shipped kernels side by side, where all tests run on several workers."""
+    name = os.environ.get("PYTEST_XDIST_WORKER", "")
+    whole = [Path(argument).name for argument in session.config.args] == ["tests"]
+    if name in ("gw0", "gw1") and whole:
+        case, needed = _FIRST[int(name[2:])]
+        for values in needed:
+            few = {"monte_carlo.realizations": 2, **values}
+            run(Scenario.from_dict({**copy.deepcopy(BASE), "case": case}, "first", overrides=few))
 
 
 def scenario(overrides: dict[str, Any] | None = None, **more: Any) -> Scenario:

@@ -140,7 +140,7 @@ def test_the_linear_value_is_that_of_realizations_of_its_distribution(name):
     assert not np.any((found.low - slack <= 1.1 * linear) & (1.1 * linear <= found.high + slack))
 
 
-TRIALS = 600
+TRIALS = 400
 
 
 def hits(statistic: Statistic, truth: float, draw, n: int, shrink: float = 1.0) -> int:

@@ -106,7 +106,7 @@ def test_a_sound_result_is_read(result, name):
 
 
 SWEPT = {
-    "numbers": "{trajectory.speed: [10 m/s, 0.1 m/s], sensors.rate: [30 Hz, 50 Hz]}",
+    "numbers": "{trajectory.speed: [10 m/s, 1 m/s], sensors.rate: [30 Hz, 50 Hz]}",
     "texts": "{reconstruction.integration: [rectangular, trapezoidal]}",
     "names": "{sensors.accelerometer: [LSM330DL, MPU-9250]}",
     "whole numbers": "{monte_carlo.resamples: [100, 200]}",
