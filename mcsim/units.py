@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -35,7 +35,10 @@ _SMALLEST = 1e-30
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of quantity: its SI unit, the units it may be written in, its largest value."""
+    """A kind of quantity: its SI unit, the units it may be written in, its largest value.
+
+    ``accepts`` tells values (SI) that one use of it takes, so that no other is advised.
+    """
 
     name: str
     article: str
@@ -43,6 +46,7 @@ class Kind:
     factors: Mapping[str, float]
     example: str
     largest: float = 1e6
+    accepts: Callable[[float], bool] = lambda _: True
 
     def __str__(self) -> str:
         return f"{self.article} {self.name}"
@@ -312,7 +316,12 @@ def parse(text: str, kind: Kind) -> float:
 
 
 def _with_unit_of(number: str, kind: Kind) -> str:
-    return f"{number.strip()} {split(kind.example)[1]}"
+    """The number with the first unit that makes it one to take; else the example."""
+    value = split(number)[0]
+    for unit in (split(kind.example)[1], *kind.factors):
+        if kind.accepts(value * factor(unit, kind)):
+            return f"{number.strip()} {unit}"
+    return kind.example
 
 
 def factor(unit: str, kind: Kind, text: str | None = None) -> float:

@@ -647,7 +647,7 @@ BAD = [
     (["--columns", "accel_x=ax,accel_y=ay"], "no column of accel_z"),
     (["--draws", "5"], "must lie between 200"),
     (["--runs", "3"], "--runs 3: 2 found"),
-    (["--still", "-1 s"], "must not be negative"),
+    (["--still", "-1 s"], "must be above zero"),
     (["--duration", "20 s"], "--duration 20 s"),
 ]
 

@@ -30,7 +30,7 @@ from mcsim.vibration.filter_words import (
     in_words,
 )
 from mcsim.vibration.log import Log
-from mcsim.vibration.platform import Seen, scenario_of, sensors_named, simulate_seen
+from mcsim.vibration.platform import Seen, left_out, scenario_of, sensors_named, simulate_seen
 from mcsim.vibration.processing import filters
 from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
 from mcsim.vibration.tone import find_tone
@@ -242,6 +242,18 @@ def test_height_of_an_elevator_is_the_integral_of_its_speed():
 
 
 # Sensors of the platform
+
+
+def test_a_reference_that_is_not_there_is_refused_before_anything_is_simulated():
+    told = []
+    with pytest.raises(InputError, match=r"add it to them: --sensors BNO055,MPU-9250$"):
+        compare_vibrations([ENGINE], sensors="BNO055", reference="MPU-9250", tell=told.append)
+    assert told == []
+
+
+def test_what_all_leaves_out_is_said():
+    assert [note.partition(":")[0] for note in left_out("all")] == ["LIS33DE"]
+    assert left_out("platform,LIS3DH") == ()
 
 
 def test_groups_of_sensors():
@@ -638,6 +650,10 @@ def test_a_late_log_of_a_sweep_needs_its_clock_put_right(tmp_path):
         (["{engine}", "--sensors", "BNO055@171"], '--sensors BNO055@171: rate: "171" has no unit'),
         (["{engine}", "--sensors", "BNO055", "--sensor", "BNO055"], "one sensor alone"),
         (["{engine}", "--sensors", "BNO055", "--reference", "MPU"], 'reference "MPU": neither'),
+        (
+            ["{engine}", "--sensors", "BNO055@100 Hz", "--reference", "mpu-9250"],
+            "add it to them: --sensors BNO055@100 Hz,MPU-9250",
+        ),
         (["{engine}", "--align"], "nothing to compare"),
         (["{engine}", "--sensors", "BNO055", "--start", "1"], "belong to a log"),
         (["{log}", "{log2}", "--channel", "az", "--cylinders", "6"], "needs the engine's speed"),

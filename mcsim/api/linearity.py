@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mcsim.api.bounded import between
 from mcsim.api.found import Found
 from mcsim.calibration import LinearityFit, read_amplitudes
 from mcsim.calibration import linearity as fit_of
@@ -18,16 +19,16 @@ from mcsim.calibration.simulated import (
 )
 from mcsim.calibration.tables import linearity_table
 from mcsim.calibration.words import linearity_words
-from mcsim.errors import InputError, UnitError
+from mcsim.errors import InputError
 from mcsim.provenance import provenance_of
 from mcsim.report import Report
-from mcsim.units import KINDS, parse
+from mcsim.units import KINDS
 
 if TYPE_CHECKING:
     import pandas as pd
 
 #: Full scales (g) that a sensor may have.
-_LEAST_SCALE, _LARGEST_SCALE = 1e-3, 1e6
+_SCALES = "1 mg", "1e+06 g"
 
 
 @dataclass(frozen=True)
@@ -131,13 +132,4 @@ def _of_scenario(
 def _scale(text: str | None) -> float:
     if text is None:
         raise InputError("--full-scale: is missing; write for example --full-scale '15 g'")
-    try:
-        scale = parse(text, KINDS["sensor output"])
-    except UnitError as error:
-        raise InputError(f"--full-scale: {error}") from None
-    if not _LEAST_SCALE <= scale <= _LARGEST_SCALE:
-        raise InputError(
-            f'--full-scale: "{text}" must lie between {1e3 * _LEAST_SCALE:g} mg and '
-            f"{_LARGEST_SCALE:g} g"
-        )
-    return scale
+    return between("--full-scale", text, KINDS["sensor output"], _SCALES, "15 g")

@@ -7,16 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from mcsim import catalogue
 from mcsim.api.vibration import LogOptions, is_scenario
 from mcsim.errors import InputError
 from mcsim.logs.formats import open_log
 from mcsim.logs.model import ReadOptions
 from mcsim.vibration.alignment import aligned, in_common
-from mcsim.vibration.log import Log, read_vibration_log
+from mcsim.vibration.log import Log, name_of_log, read_vibration_log
 from mcsim.vibration.platform import (
     REFERENCE,
     Seen,
     from_log,
+    name_of,
     sensors_named,
     simulate_seen,
     true_one,
@@ -56,10 +58,26 @@ class Given:
             return names.index(wanted)
         if self.named is None:
             return None
-        raise InputError(
+        raise self.no_reference([one.name for one in seen])
+
+    def no_reference(self, names: Sequence[str]) -> InputError:
+        """The reference is none of ``names``; a built-in sensor may be added to them."""
+        known = catalogue.known(self.named or "")
+        advice = ""
+        if known is not None and self.sensors:
+            listed = ",".join([*self.sensors, known.name])
+            advice = f"; add it to them: --sensors {listed}"
+        return InputError(
             f'--reference "{self.named}": neither a file nor one of the sensors '
-            f"({', '.join(one.name for one in seen)})"
+            f"({', '.join(names)}){advice}"
         )
+
+    def check_reference(self) -> None:
+        """Refuse a reference that can be no sensor and no log, before anything is simulated."""
+        names = [*map(name_of, self.sensors), *map(name_of_log, self.logs)]
+        held = {name.casefold() for name in names}
+        if self.reference is None and self.named and self.named.casefold() not in held:
+            raise self.no_reference(names)
 
 
 def sorted_out(files: Sequence[str | Path], sensors: str | None, reference: str | None) -> Given:
@@ -68,7 +86,7 @@ def sorted_out(files: Sequence[str | Path], sensors: str | None, reference: str 
     Raises
     ------
     InputError
-        Two scenarios, sensors without one, or nothing to compare.
+        Two scenarios, sensors without one, nothing to compare, or a reference that is not there.
     """
     paths = list(dict.fromkeys(map(Path, files)))
     scenario = _only_scenario(paths)
@@ -84,7 +102,9 @@ def sorted_out(files: Sequence[str | Path], sensors: str | None, reference: str 
             "name logs, one per sensor"
         )
     names = sensors_named(sensors) if sensors is not None else ()
-    return Given(scenario, names, tuple(logs), held, reference)
+    given = Given(scenario, names, tuple(logs), held, reference)
+    given.check_reference()
+    return given
 
 
 def _only_scenario(paths: Sequence[Path]) -> Path | None:

@@ -16,7 +16,7 @@ from mcsim.report import Report
 from mcsim.vibration.comparison import Comparison, compare
 from mcsim.vibration.excitations.excitation import Tone
 from mcsim.vibration.filter_words import design, in_words
-from mcsim.vibration.platform import Seen
+from mcsim.vibration.platform import Seen, left_out
 from mcsim.vibration.scenario import Chain, VibrationScenario, read_vibration
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ def compare_vibrations(
         title=title,
         found=found,
         scenario=scenario,
-        notes=_notes(seen),
+        notes=(*left_out(sensors or ""), *_notes(seen)),
         simulated=simulated,
         origin=provenance_of("vibration", given.inputs, options, seed),
     )

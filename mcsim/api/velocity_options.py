@@ -7,14 +7,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Literal, TypedDict
 
-from mcsim.errors import InputError, UnitError
+from mcsim.api.bounded import not_negative, positive
+from mcsim.errors import InputError
 from mcsim.measured_velocity.correction_file import CorrectionInput
 from mcsim.measured_velocity.group import STAMPS_BELOW, TimeBase
 from mcsim.measured_velocity.propagation import Inputs
 from mcsim.measured_velocity.reference import Reference
 from mcsim.measured_velocity.run_log import Layout
 from mcsim.measured_velocity.segments import SAMPLES, STILL, Length, Rule
-from mcsim.units import KINDS, STANDARD_GRAVITY, degrees, parse
+from mcsim.units import KINDS, STANDARD_GRAVITY, degrees
 
 #: Gravity on the earth's surface at sea level (m/s²): what is known where nothing is stated.
 _EARTH = (9.780, 9.833)
@@ -269,17 +270,8 @@ def _stamps_err(known: KnownOptions, base: TimeBase, note: Callable[[str], None]
 
 
 def _positive(name: str, text: str, kind: str) -> float:
-    value = _not_negative(name, text, kind)
-    if not value > 0.0:
-        raise InputError(f'--{name}: "{text}" must be above zero')
-    return value
+    return positive(f"--{name}", text, KINDS[kind])
 
 
 def _not_negative(name: str, text: str, kind: str) -> float:
-    try:
-        value = parse(text, KINDS[kind])
-    except UnitError as error:
-        raise InputError(f"--{name}: {error}") from None
-    if not value >= 0.0:
-        raise InputError(f'--{name}: "{text}" must not be negative')
-    return value
+    return not_negative(f"--{name}", text, KINDS[kind])

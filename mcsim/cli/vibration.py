@@ -258,7 +258,10 @@ def _report(analysis: Analysis, folder: Path) -> None:
     if analysis.orders is not None:
         click.echo("\n".join(["", *columns(_order_rows(analysis.orders))]))
     acting = f"filters: {'; '.join(in_words(analysis.filters))}"
-    for text in (*log.remarks, *log.notes, *analysis.filters.notes, acting):
+    weakened = analysis.filters.notes
+    if weakened and analysis.orders is not None:
+        acting += "; what they leave of each tone is in the column `gain`"
+    for text in (*log.remarks, *log.notes, *weakened, acting):
         note(text)
     click.echo(f"{log.name}: {folder / 'table.csv'}, {folder / 'figure.png'}")
 

@@ -217,8 +217,8 @@ def _rows(entries: Sequence[Recovered]) -> list[list[str]]:
                 f"{100 * e.off:+.2f} %",
                 _yes(e.inside_printed),
                 f"{e.tau:.3g} s",
-                f"{100 * e.error:.2g} %",
-                _yes(e.inside_equation),
+                f"{100 * e.error:.2g} %" if math.isfinite(e.error) else "log too short",
+                _yes(e.inside_equation) if math.isfinite(e.error) else "–",
                 _yes(e.inside_interval),
             ]
         )
@@ -246,7 +246,8 @@ def _sentences(entries: Sequence[Recovered], hours: float, rate: float) -> list[
         worst = max(abs(e.off) for e in own)
         said.append(
             f"{term}: {_share(e.inside_printed for e in own)} inside the printed ±, "
-            f"{_share(e.inside_equation for e in own)} inside Eq. (3.24) where it is read, "
+            f"{_share(e.inside_equation for e in own if math.isfinite(e.error))} inside "
+            "Eq. (3.24) where it is read, "
             f"{_share(e.inside_interval for e in own)} inside the fit's 95 %; off by up to "
             f"{100 * worst:.2g} %."
         )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mcsim.errors import InputError
+from mcsim.api.bounded import between
 from mcsim.papers import Computed, PaperTable, Setting
 from mcsim.papers.sensor_logs import (
     MICRO_G,
@@ -28,7 +28,7 @@ from mcsim.papers.sensor_logs import (
     simulated_log,
 )
 from mcsim.text_table import columns
-from mcsim.units import KINDS, density_from_random_walk, parse, sample_deviation
+from mcsim.units import KINDS, density_from_random_walk, sample_deviation
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -147,9 +147,7 @@ def _of_reference(source: Printed) -> Iterator[str]:
 
 def deviations(noise: Noise, duration: str, seed: int) -> Computed:
     """The two tables as one, printed beside simulated."""
-    seconds = parse(duration, KINDS["time"])
-    if not 1.0 <= seconds <= 3600.0:
-        raise InputError(f'--duration "{duration}" must lie between 1 s and 1 h')
+    seconds = between("--duration", duration, KINDS["time"], ("1 s", "1 h"), "20 s")
     frame = sensor_table(noise, seconds, seed)
     lines = [
         f"logs of {seconds:g} s, noise: {NOISE[noise]}",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mcsim import catalogue
-from mcsim.errors import InputError
+from mcsim.api.bounded import between
 from mcsim.papers import Computed, PaperTable, Setting
 from mcsim.papers.sensor_logs import MICRO_G, SENSORS, printed, simulated_log
 from mcsim.text_table import columns
@@ -77,9 +77,7 @@ and of the measured density."""
 
 def stationary_data(duration: str, seed: int) -> Computed:
     """Both tables, printed beside what follows and what is simulated."""
-    seconds = parse(duration, KINDS["time"])
-    if not 1.0 <= seconds <= 3600.0:
-        raise InputError(f'--duration "{duration}" must lie between 1 s and 1 h')
+    seconds = between("--duration", duration, KINDS["time"], ("1 s", "1 h"), "20 s")
     sources = [printed(name) for name in SENSORS]
     extremes, noise = _extremes(sources, seconds, seed), _noise(sources)
     text = "\n".join(

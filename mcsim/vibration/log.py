@@ -119,11 +119,11 @@ def read_vibration_log(
         )
     else:
         start, end = (None if at is None else round(at * rate) for at in cut)
-        log = Log(_name(path), names, values[start:end], rate)
-    return replace(log, name=_name(path), remarks=(said(file, columns), *file.notes))
+        log = Log(name_of_log(path), names, values[start:end], rate)
+    return replace(log, name=name_of_log(path), remarks=(said(file, columns), *file.notes))
 
 
-def _name(path: Path) -> str:
+def name_of_log(path: Path) -> str:
     """The file's name without its endings (``log.csv.xz`` is ``log``)."""
     return path.name.removesuffix(path.suffix).removesuffix(".csv")
 
@@ -265,7 +265,7 @@ def _evenly(
         raise InputError(f"{path}: {reason}; give --rate '100 Hz', if no sample is lost")
     if reason and stated is not None:
         note = f"{reason}: the time stamps are set aside for the stated {stated:.6g} Hz"
-        return Log(_name(path), names, values, stated, (*clock.notes, note))
+        return Log(name_of_log(path), names, values, stated, (*clock.notes, note))
     check_rate(1.0 / clock.interval, stated, str(path), "--time 'NAME in UNIT'", _RATES)
     _refuse_holes(file, clock)
     steps = np.diff(clock.stamps)
@@ -279,7 +279,7 @@ def _evenly(
         f"the time stamps repeat or come in bursts; by count of the {len(found.index)} samples "
         f"they are equally spaced at {found.rate:.6g} Hz, {missing}"
     )
-    return Log(_name(path), names, values, found.rate, (*clock.notes, note))
+    return Log(name_of_log(path), names, values, found.rate, (*clock.notes, note))
 
 
 def _refuse_holes(file: ColumnFile, clock: Clock) -> None:
@@ -306,11 +306,11 @@ def _interpolated(path: Path, names: tuple[str, ...], clock: Clock, values: Arra
     grid = stamps[0] + step * np.arange(len(stamps))
     stray = float(np.abs(stamps - grid).max()) / step
     if stray <= _JITTER:
-        return Log(_name(path), names, values, 1.0 / step, clock.notes)
+        return Log(name_of_log(path), names, values, 1.0 / step, clock.notes)
     if stray > _WANDER:
         # The rate itself changes on the way: the usual step keeps what the faster parts hold.
         step = float(np.median(np.diff(stamps)))
         grid = np.arange(stamps[0], stamps[-1], step)
     values = np.column_stack([np.interp(grid, stamps, column) for column in values.T])
     note = f"time stamps stray by up to {stray * step:.3g} s; interpolated to {1.0 / step:.6g} Hz"
-    return Log(_name(path), names, values, 1.0 / step, (*clock.notes, note))
+    return Log(name_of_log(path), names, values, 1.0 / step, (*clock.notes, note))

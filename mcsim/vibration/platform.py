@@ -95,6 +95,26 @@ def sensors_named(words: str) -> tuple[str, ...]:
     return tuple(sorted(found, key=lambda name: not _is_reference(name)))
 
 
+def left_out(words: str) -> tuple[str, ...]:
+    """What ``all`` in such a list leaves out, in words."""
+    if ALL not in [word.strip().casefold() for word in words.split(",")]:
+        return ()
+    silent = [
+        name
+        for name, sensor in catalogue.sensors().items()
+        if _ELEMENT in sensor.elements and name not in _all()
+    ]
+    reason = "left out of all, as no source gives the noise of its accelerometer"
+    return tuple(f"{name}: {reason}" for name in silent)
+
+
+def name_of(sensor: str) -> str:
+    """What a sensor of a list is called: ``MPU-9250`` for ``mpu-9250@500 Hz``."""
+    model = sensor.partition("@")[0].strip()
+    built_in = None if is_file(model) else catalogue.known(model)
+    return built_in.name if built_in else Path(model).stem
+
+
 def _is_reference(name: str) -> bool:
     return name.partition("@")[0].strip().casefold() == REFERENCE.casefold()
 
@@ -134,7 +154,7 @@ def scenario_of(path: Path, sensor: str) -> tuple[VibrationScenario, str, tuple[
     built_in = None if is_file(model) else catalogue.known(model)
     own = built_in.rate(_ELEMENT) if built_in and _ELEMENT in built_in.elements else None
     scenario = read_vibration(path, model, stated or own, f"--sensors {sensor}")
-    name = built_in.name if built_in else Path(model).stem
+    name = name_of(sensor)
     seed = (scenario.seed + zlib.crc32(name.encode())) % LARGEST_SEED
     note = f"{name}: no source gives its rate; it samples at the scenario's {scenario.rate:.6g} Hz"
     notes = () if stated or own else (note,)

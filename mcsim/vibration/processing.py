@@ -114,6 +114,6 @@ def filters(chain: Chain, rate: float) -> Filters:
     if zero < 2.0 * (chain.low_pass or rate / 2.0):
         notes.append(
             f"the moving average of {chain.moving_average} samples has its first zero at "
-            f"{zero:.4g} Hz and weakens what lies below; see the column `gain`"
+            f"{zero:.4g} Hz and weakens what lies below"
         )
     return Filters(chain, rate, tuple(notes), high_pass, low_pass)

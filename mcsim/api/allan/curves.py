@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mcsim.api.allan.sensors import SensorAxis, sensor_axes
 from mcsim.api.allan.words import coefficient_words
+from mcsim.api.bounded import positive
 from mcsim.api.found import Found
 from mcsim.characterisation import noise_terms as terms
 from mcsim.characterisation.noise_terms import NoiseTerm, total_variance
@@ -24,7 +25,7 @@ from mcsim.figures.style import printed
 from mcsim.provenance import provenance_of
 from mcsim.report import Report
 from mcsim.text_table import columns
-from mcsim.units import KINDS, in_unit, parse
+from mcsim.units import KINDS, in_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -121,10 +122,7 @@ def curves(
 def _cutoff(text: str | None) -> float:
     if text is None:
         return math.inf
-    frequency = parse(text, KINDS["frequency"])
-    if frequency <= 0.0:
-        raise InputError(f'--cutoff "{text}" must be above zero')
-    return frequency
+    return positive("--cutoff", text, KINDS["frequency"])
 
 
 def cluster_times(shortest: float = _SHORTEST, longest: float = _LONGEST) -> Array:

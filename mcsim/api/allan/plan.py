@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from mcsim.api.allan.curves import panel_of
 from mcsim.api.allan.sensors import SensorAxes, SensorAxis, sensor_axes
 from mcsim.api.allan.words import coefficient_words, crossing_of, duration_words, error_words
+from mcsim.api.bounded import between, positive
 from mcsim.api.found import Found
 from mcsim.characterisation.expected_errors import (
     TIME,
@@ -24,7 +25,7 @@ from mcsim.logs.model import SHORT
 from mcsim.provenance import provenance_of
 from mcsim.report import Report
 from mcsim.text_table import columns
-from mcsim.units import KINDS, parse
+from mcsim.units import KINDS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 COEFFICIENTS = ("N", "B", "K", TIME)
 _LETTER = {"GM": TIME}
 #: Accuracies that a plan makes sense for.
-_FINEST, _COARSEST = 0.005, 0.5
+_FINEST, _COARSEST = "0.5 %", "50 %"
 #: Sampling intervals that the white noise must last: a decade of cluster times.
 _DECADE = 10.0
 #: A sample's noise must be at least this part of a step of the converter.
@@ -260,11 +261,13 @@ def plan(
     InputError
         No such sensor, element, axis or term, or an accuracy or rate that makes no sense.
     """
-    error = _accuracy(accuracy)
+    error = between("--accuracy", accuracy, KINDS["ratio"], (_FINEST, _COARSEST), "10 %")
     axes = sensor_axes(sensor, element, axis)
     chosen = _chosen(terms, axes)
     reasons = tuple(_reasons(axes.axes))
-    hertz = _rate(rate) if rate is not None else max((r.rate for r in reasons), default=_ANY_RATE)
+    hertz = max((r.rate for r in reasons), default=_ANY_RATE)
+    if rate is not None:
+        hertz = positive("--rate", rate, KINDS["frequency"])
     planned = [
         _planned(one, name, error, hertz)
         for one in axes.axes
@@ -274,22 +277,6 @@ def plan(
     options = {"sensor": axes.name, "accuracy": accuracy, "rate": rate}
     origin = provenance_of("allan plan", [axes.file] if axes.file else [], options)
     return AllanPlan(axes, error, hertz, reasons, tuple(planned), origin)
-
-
-def _accuracy(text: str) -> float:
-    error = parse(text, KINDS["ratio"])
-    if not _FINEST <= error <= _COARSEST:
-        raise InputError(
-            f'--accuracy "{text}" must lie between {100 * _FINEST:g} % and {100 * _COARSEST:g} %'
-        )
-    return error
-
-
-def _rate(text: str) -> float:
-    hertz = parse(text, KINDS["frequency"])
-    if hertz <= 0.0:
-        raise InputError(f'--rate "{text}" must be above zero')
-    return hertz
 
 
 def _chosen(terms: Sequence[str] | None, axes: SensorAxes) -> Sequence[str]:
