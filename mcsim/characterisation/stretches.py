@@ -132,7 +132,7 @@ def _level(first: ChannelResult, second: ChannelResult, lengths: tuple[float, ..
     return Change(*_named(first, "level"), before, after, u, _normal_p(after - before, u))
 
 
-def _needed(first: NoiseFit, second: NoiseFit) -> list[NoiseModel]:
+def _needed(first: NoiseFit, second: NoiseFit) -> list[NoiseModel | NoiseFit]:
     """A model of each stretch: its process, or those of its terms that the two stretches need."""
     pairs = list(zip(first.comparison.sums, second.comparison.sums, strict=True))
     best = min(pairs, key=lambda pair: _criterion(*pair))
