@@ -66,6 +66,8 @@ _HEADS_5_2 = (
 )  # fmt: skip
 #: Printed values that are sums or products of others agree to so many of their digits' units.
 _ROUNDING, _AGREES = 2e-4, 0.02
+#: Densities that follow from deviations of two or three digits agree to this.
+_DENSITY_AGREES = 0.05
 #: A normal log's largest value is not as far out as this (deviations), whatever its length.
 _NOT_NORMAL = 7.0
 _WORDS = """\
@@ -73,6 +75,10 @@ sim.: simulated. max-min: of the printed extremes; ratio: to the reference on z,
 the printed σ. extreme/σ: the larger printed extreme in printed σ; normal: that of as many normal
 samples (median). noise: in the whole band, printed, and density times √f_3dB, of the data sheet's
 and of the measured density."""
+
+_UNPRINTED = """\
+  MTN-1100: its data-sheet density, rate and f_3dB are not printed; assumed are 100 Hz, the square
+  of its noise over its density, and twice that as rate"""
 
 
 def stationary_data(duration: str, seed: int) -> Computed:
@@ -92,7 +98,7 @@ def stationary_data(duration: str, seed: int) -> Computed:
             "",
             "where the printed values cannot all hold:",
             *(f"  {remark}" for remark in remarks(extremes, noise)),
-            "  MTN-1100: its data-sheet density and its rate are not printed",
+            *_UNPRINTED.splitlines(),
         ]
     )
     return Computed({"stationary": extremes, "noise": noise}, text, ("stationary", "noise"))
@@ -210,6 +216,16 @@ def _of_noise(table: pd.DataFrame) -> Iterator[str]:
         if agrees != ["measured"] or row["sensor"] != "MTN-1100":
             source = f"that of the {agrees[0]} density" if agrees else "that of no printed density"
             yield f"{row['sensor']}: the noise {told:g} µg is {source}"
+    yield from _of_densities(table)
+
+
+def _of_densities(table: pd.DataFrame) -> Iterator[str]:
+    """Measured densities against the deviations of Table 5.1, Eq. (5.1)."""
+    for sensor, rows in table.groupby("sensor", sort=False):
+        part = (rows["density measured printed"] / rows["std/√f_3dB"] - 1.0).to_numpy()
+        if np.max(np.abs(part)) > _DENSITY_AGREES:
+            told = ", ".join(f"{100.0 * value:+.0f}" for value in part)
+            yield f"{sensor}: the measured densities differ from σ/√f_3dB by {told} %"
 
 
 def _rows(table: pd.DataFrame, heads: Sequence[str]) -> list[list[str]]:
