@@ -198,7 +198,7 @@ def test_intervals_of_the_coefficients_cover(sensor, axis, intervals):
 def test_the_bootstrap_knows_noise_that_is_not_stationary():
     """White noise whose level wanders within minutes: its mean power is known less well."""
     rng = np.random.default_rng(12)
-    n, trials, wander = 40_000, 24, 0.5
+    n, trials, wander = 40_000, 40, 0.5
     hits = dict.fromkeys(("bootstrap", "covariance"), 0)
     for _ in range(trials):
         level = np.exp(gauss_markov(100.0, wander, 1.0, n, rng) - wander**2)
