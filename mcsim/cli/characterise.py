@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 import click
 
 from mcsim.cli.command import Command
-from mcsim.cli.dialect_options import DialectName, Hertz, answers
+from mcsim.cli.dialect_options import DialectName, answers
+from mcsim.cli.log_options import log_options, read_options
 from mcsim.cli.notes import say, silent
 from mcsim.cli.options import QUIET
 
 if TYPE_CHECKING:
-    from mcsim.api.characterise import LogOptions
     from mcsim.characterisation.analysis import Characterisation
     from mcsim.characterisation.fit import Intervals
 
@@ -49,24 +49,7 @@ class _Options(TypedDict):
 
 @click.command()
 @click.argument("logs", metavar="LOG…", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option(
-    "--rate",
-    type=Hertz(),
-    metavar="HZ",
-    help="Sampling rate of a log without time, or whose time stamps are no use.",
-)
-@click.option(
-    "--columns",
-    help="What the columns are: time, accel_x … gyro_z in order (- skips one), or accel_x=TITLE,….",
-)
-@click.option(
-    "--units",
-    help="Units in the order of the columns, or accelerometer=g,gyroscope=deg/s,time=ms; counts: "
-    "accelerometer=16384 counts/g.",
-)
-@click.option("--topic", help="Topic of the IMU in a bag.")
-@click.option("--start", type=float, metavar="S", help="Leave out what lies before (s).")
-@click.option("--end", type=float, metavar="S", help="Leave out what lies after (s).")
+@log_options
 @click.option(
     "--fit-range",
     type=float,
@@ -142,17 +125,6 @@ def characterise(logs: tuple[Path, ...], **options: Unpack[_Options]) -> None:
 COMMAND = Command("characterise", characterise)
 
 
-def _read(options: _Options) -> LogOptions:
-    return {
-        "rate": options["rate"],
-        "columns": options["columns"],
-        "units": options["units"],
-        "topic": options["topic"],
-        "start": options["start"],
-        "end": options["end"],
-    }
-
-
 def _begin(options: _Options) -> Callable[[str], None]:
     """What hears about progress."""
     from mcsim.cli.progress import announce_compilation
@@ -165,7 +137,7 @@ def _begin(options: _Options) -> Callable[[str], None]:
 
 def _arguments(options: _Options, tell: Callable[[str], None]) -> dict[str, Any]:
     return {
-        "read": _read(options),
+        "read": read_options(dict(options)),
         "fit_range": options["fit_range"],
         "overlapping": not options["non_overlapping"],
         "confidence": options["confidence"],
@@ -212,7 +184,7 @@ def _compare(log: Path, folder: Path, stretches: str, options: _Options) -> None
 
     tell = _begin(options)
     found = compare_stretches(
-        log, stretches, read=_read(options), intervals=options["intervals"], tell=tell
+        log, stretches, read=read_options(dict(options)), intervals=options["intervals"], tell=tell
     )
     found.write(folder)
     if not options["quiet"]:

@@ -26,7 +26,11 @@ _OPTIONS = (
         help="What the columns are: time, accel_x … gyro_z in order (- skips one), or "
         "accel_x=TITLE,….",
     ),
-    click.option("--units", help="Units in the order of the columns, or accelerometer=g,…."),
+    click.option(
+        "--units",
+        help="Units in the order of the columns, or accelerometer=g,gyroscope=deg/s,time=ms; "
+        "counts: accelerometer=16384 counts/g.",
+    ),
     click.option("--topic", help="Topic of the IMU in a bag."),
     click.option("--start", type=float, metavar="S", help="Leave out what lies before (s)."),
     click.option("--end", type=float, metavar="S", help="Leave out what lies after (s)."),

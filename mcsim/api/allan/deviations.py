@@ -38,6 +38,8 @@ Array = NDArray[np.float64]
 #: All that there are, and those that are computed where nothing is said.
 KINDS_OF_DEVIATION = (*DEVIATIONS, WELCH)
 USUAL = ("oadev", "mdev", "hdev", "totdev")
+#: Units of tables, by element.
+_UNITS = {"accelerometer": "m/s^2", "gyroscope": "rad/s"}
 #: Rows per channel on a terminal.
 _ROWS = 10
 _WORDS = {
@@ -83,7 +85,7 @@ class AllanDeviations(Found):
 
     @property
     def table(self) -> pd.DataFrame:
-        """Columns channel, kind, tau_s, deviation, ci_low, ci_high; m/s² and rad/s."""
+        """Columns channel, kind, tau_s, deviation, ci_low, ci_high, and the unit of these three."""
         import pandas as pd
 
         return pd.concat(
@@ -95,6 +97,7 @@ class AllanDeviations(Found):
                     "deviation": curve.deviation,
                     "ci_low": low,
                     "ci_high": high,
+                    "unit": _UNITS[found.channel.element],
                 }
             )
             for found in self.channels
